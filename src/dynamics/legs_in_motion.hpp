@@ -6,6 +6,7 @@
 #include "hydrapod/dynamics/nonlinear.hpp"
 #include "hydrapod/numerics/dense.hpp"
 #include "leg_beams.hpp"
+#include "payload_motion.hpp"
 
 namespace hydrapod::dynamics {
 
@@ -61,6 +62,7 @@ struct LegConstants {
   Lanes bow_piston, bow_tilt, bow_case, bow_self, bow_moment;  ///< BowMass
   Lanes joint_viscous, joint_coulomb, joint_smoothing;
   Lanes real;  ///< 1 for legs, 0 for the lanes that are none
+  PayloadConstants payload;
 };
 
 /// The legs side by side that `motion` has room for.

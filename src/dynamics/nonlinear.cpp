@@ -136,8 +136,9 @@ bool has_joint_friction(const model::Machine& machine) {
 template <int n>
 class Assembly {
  public:
-  Assembly(const Motion& motion, const model::Platform& platform, const LegSurroundings& around)
-      : motion_(motion), platform_(platform), around_(around) {}
+  Assembly(const Motion& motion, const model::Platform& platform, const LegSurroundings& around,
+           const PayloadInMotion& payload)
+      : motion_(motion), platform_(platform), around_(around), payload_(payload) {}
 
   /// v̇; with `momentum` also v̇ per acceleration of the base, into `per_base`.
   void solve(const Vector6& wrench, double* v_rate, const BaseMomentum* momentum = nullptr,
@@ -162,9 +163,11 @@ class Assembly {
     M.bottomRightCorner<3, 3>() += inertia;
     if (around_.joint_friction)
       for (int k = 0; k < 3; ++k) force[3 + k] += legs.joint_moment[k].sum();
+    payload_.eliminate(M, force);
     const Eigen::LLT<Matrix6> factors(M);  // reads the lower half
     const Vector6 acceleration = factors.solve(force);
     store(acceleration, v_rate);
+    payload_.accelerations(acceleration, v_rate + 6 + model::leg_count * n);
     if constexpr (n > 0) {
       Eigen::Matrix<Lanes, 6, 1> everywhere;
       for (int k = 0; k < 6; ++k) everywhere[k] = Lanes(acceleration[k]);
@@ -199,7 +202,7 @@ class Assembly {
   /// −M⁻¹ Pᵀ: what an acceleration of the base brings against the coordinates, legs eliminated.
   void respond(const LegEquations<n>& legs, const JacobianL& J, const Eigen::LLT<Matrix6>& factors,
                const BaseMomentum& momentum, BaseResponse& per_base) const {
-    per_base.resize(6 + model::leg_count * n, 6);
+    per_base.resize(momentum.cols(), 6);
     for (int b = 0; b < 6; ++b) {
       Vector6 force = -momentum.row(b).template head<6>().transpose();
       Eigen::Matrix<Lanes, n, 1> inner;
@@ -209,8 +212,13 @@ class Assembly {
         const Vector3L r = legs.X * (legs.M_ff_inverse * inner);
         for (int k = 0; k < 6; ++k) force[k] += J.col(k).dot(r).sum();
       }
+      const int modes = payload_.count;
+      const PayloadInMotion::Modes swings = momentum.row(b).tail(modes).transpose();
+      if (modes > 0) force += payload_.L * swings;
       const Vector6 acceleration = factors.solve(force);
       per_base.col(b).template head<6>() = acceleration;
+      if (modes > 0)
+        per_base.col(b).tail(modes) = -(swings + payload_.L.transpose() * acceleration);
       if constexpr (n > 0) {
         Eigen::Matrix<Lanes, 6, 1> everywhere;
         for (int k = 0; k < 6; ++k) everywhere[k] = Lanes(acceleration[k]);
@@ -237,6 +245,7 @@ class Assembly {
   const Motion& motion_;
   const model::Platform& platform_;
   const LegSurroundings& around_;
+  const PayloadInMotion& payload_;
 };
 
 /// Calls `use` with the number of flexible coordinates per leg as a constant.
@@ -273,8 +282,10 @@ NonlinearModel::NonlinearModel(const model::Machine& machine, ModelKind kind,
     piston_axes_[i] = Vector3(1.0, 0.0, frame.tan_gimbal).normalized();
   }
   if (spinning_ && kind != ModelKind::rigid) turn_piston_axes(X_reference);
-  constants_ = std::make_shared<const LegConstants>(
-      gather_constants(machine_, axes_, piston_axes_, geometry));
+  weight_at_rest_ = X_reference.R_BP.transpose() * machine_.gravity;
+  auto constants = gather_constants(machine_, axes_, piston_axes_, geometry);
+  constants.payload = PayloadConstants(machine_, weight_at_rest_);
+  constants_ = std::make_shared<const LegConstants>(constants);
 }
 
 /// To where the gimbals' axes are when the legs are bent by gravity.
@@ -301,10 +312,12 @@ void NonlinearModel::configuration(const spatial::Pose& X_BP,
   store(Vector3(q.vec()), y + 4);
   for (int i = 0; i < model::leg_count; ++i)
     for (int k = 0; k < flexible(); ++k) y[7 + flexible() * i + k] = legs[i].flexible[k];
+  const Vector6 payload = constants_->payload.at_rest(X_BP.R_BP.transpose() * machine_.gravity);
+  std::copy(payload.data(), payload.data() + payload_count(), y + positions() - payload_count());
 }
 
 StaticEquilibrium NonlinearModel::equilibrium(const spatial::Pose& X_BP) const {
-  auto rest = static_equilibrium(machine_, X_BP, kind_);
+  auto rest = rest_with_payload(machine_, X_BP, kind_, constants_->payload);
   const auto geometry = kinematics::inverse_kinematics(machine_, X_BP);
   if (rest.status == StaticsStatus::converged)
     for (int i = 0; i < model::leg_count; ++i)
@@ -320,6 +333,11 @@ void NonlinearModel::motion(const double* y, const double* v, Motion& motion) co
   motion.X_BP.p_BP = motion.p_BC - motion.X_BP.R_BP * machine_.platform.mass_center;
   motion.twist = Eigen::Map<const Vector6>(v);
   const Vector3 velocity = motion.twist.head<3>(), omega = motion.twist.tail<3>();
+  const int modes = payload_count(), first = velocities() - modes;
+  for (int k = 0; k < modes; ++k) {
+    motion.payload[k] = y[first + 1 + k];
+    motion.payload_rate[k] = v[first + k];
+  }
   auto& lanes = side_by_side(motion);
   lanes.flexible.setConstant(Lanes(0.0));
   lanes.flexible_rate.setConstant(Lanes(0.0));
@@ -372,8 +390,9 @@ LegSurroundings NonlinearModel::surroundings(const Motion& motion, const Loads& 
 
 void NonlinearModel::accelerations(const Motion& motion, const Loads& loads, double* v_rate) const {
   const LegSurroundings around = surroundings(motion, loads);
+  const PayloadInMotion payload(constants_->payload, motion, machine_.gravity);
   with_flexible(kind_, [&](auto n) {
-    Assembly<n()>(motion, machine_.platform, around).solve(loads.wrench, v_rate);
+    Assembly<n()>(motion, machine_.platform, around, payload).solve(loads.wrench, v_rate);
   });
 }
 
@@ -381,8 +400,9 @@ void NonlinearModel::accelerations(const Motion& motion, const Loads& loads,
                                    const BaseMomentum& momentum, double* v_rate,
                                    BaseResponse& per_base) const {
   const LegSurroundings around = surroundings(motion, loads);
+  const PayloadInMotion payload(constants_->payload, motion, machine_.gravity);
   with_flexible(kind_, [&](auto n) {
-    Assembly<n()>(motion, machine_.platform, around)
+    Assembly<n()>(motion, machine_.platform, around, payload)
         .solve(loads.wrench, v_rate, &momentum, &per_base);
   });
 }
@@ -398,8 +418,11 @@ Eigen::MatrixXd NonlinearModel::mass_matrix(const Motion& motion) const {
                                motion.twist.tail<3>(),
                                broadcast(Vector3(Vector3::Zero())),
                                Lanes(0.0)};
-  with_flexible(kind_,
-                [&](auto n) { Assembly<n()>(motion, machine_.platform, around).add_mass(M); });
+  const PayloadInMotion payload(constants_->payload, motion, machine_.gravity);
+  with_flexible(kind_, [&](auto n) {
+    Assembly<n()>(motion, machine_.platform, around, payload).add_mass(M);
+  });
+  payload.add_mass(M, velocities() - payload.count);
   return M;
 }
 
@@ -438,6 +461,7 @@ Energies NonlinearModel::energies(const Motion& motion) const {
         legs.k_g * (at.flexible[2] * at.flexible[2] + at.flexible[3] * at.flexible[3]);
     energy.rings = 0.5 * rings.sum();
   }
+  add_payload_energies(legs.payload, motion, machine_.gravity, energy);
   return energy;
 }
 
@@ -453,7 +477,7 @@ double NonlinearModel::dissipation(const Motion& motion) const {
     power += constants_->c_s * at.sleeve_offset_rate.dot(at.sleeve_offset_rate);
   if (kind_ == ModelKind::full)
     power += constants_->c_ring * at.ring_offset_rate.dot(at.ring_offset_rate);
-  return power.sum();
+  return power.sum() + payload_dissipation(constants_->payload, motion);
 }
 
 }  // namespace hydrapod::dynamics

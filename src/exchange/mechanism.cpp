@@ -238,6 +238,9 @@ Mechanism mechanism(const Machine& machine, const Pose& X_BP, dynamics::ModelKin
          "the legs buckle; the file moves away from this rest as the machine does"});
   if (machine.base_mount)
     result.parity.push_back({Held::absent, "compliant base", "the base stands still in the file"});
+  if (!machine.payload_modes.empty())
+    result.parity.push_back(
+        {Held::absent, "modes of the payload", "platform and payload are one rigid body in the file"});
   return result;
 }
 

@@ -129,6 +129,7 @@ void describe(Fields& f, MeasuredMode& m) {
     energy("guide_sleeve", m.guide_sleeves);
     energy("piston_ring", m.piston_rings);
     energy("base_mount", m.base);
+    energy.unless(0.0, "payload", m.payload);
   });
   if constexpr (Fields::reads) m.omega_rigid = two_pi * rigid_hz.value_or(0.0);
 }
@@ -139,7 +140,8 @@ void describe(Fields& f, PartShare& share) {
   describe_leg_number(f, share.part.leg);
   f.scaled("frequency_hz", share.omega, two_pi);
   f("share", share.share);
-  static constexpr std::array compliances{"guide_sleeve", "piston_ring", "gimbals", "base_mount"};
+  static constexpr std::array compliances{"guide_sleeve", "piston_ring", "gimbals",
+                                          "base_mount",   "payload",     "bending"};
   f.word("code", share.part.what, compliances);
 }
 
@@ -195,9 +197,11 @@ void describe_cause(Fields& f, Cause& cause) {
       "guide_sleeves", "piston_rings",     "bulk_modulus", "oil_springs",  "air",
       "cap_volume",    "rod_volume",       "gimbals",      "payload",      "payload_height",
       "inertia",       "mass_and_inertia", "mass_center",  "base_lateral", "base_vertical",
-      "base_rocking",  "oil_lines",        "leakage"};
+      "base_rocking",  "oil_lines",        "leakage",      "payload_sways", "payload_heaves",
+      "payload_modes"};
   static constexpr std::array families{"guide sleeves", "piston rings", "leg axes",  "platform",
-                                       "mass centre",   "base",         "oil lines", "leakage"};
+                                       "mass centre",   "base",         "oil lines", "leakage",
+                                       "payload modes"};
   if constexpr (!Fields::reads) {
     f.derived("name", cause_name(cause));
     f.derived("statement", cause_statement(cause));

@@ -25,7 +25,9 @@ bool bristles_anywhere(const std::array<hydraulics::ServoAxis, leg_count>& axes)
 
 StateLayout make_layout(const dynamics::NonlinearModel& mechanics, const PlantOptions& options,
                         const std::array<hydraulics::ServoAxis, leg_count>& axes) {
-  StateLayout layout{.positions = mechanics.positions(), .velocities = mechanics.velocities()};
+  StateLayout layout{.positions = mechanics.positions(),
+                     .velocities = mechanics.velocities(),
+                     .payload = mechanics.payload_count()};
   layout.size = layout.positions + layout.velocities;
   const auto append = [&](int& first, int count) {
     first = layout.size;

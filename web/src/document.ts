@@ -9,6 +9,7 @@ export interface Strain {
   guide_sleeve: number;
   piston_ring: number;
   base_mount?: number;
+  payload?: number;
   preload: number;
   per_leg: { oil: number[]; guide_sleeve: number[]; piston_ring: number[] };
 }
@@ -26,6 +27,8 @@ export interface Mode {
   leg_energy: number[];
   /** Of a base with coordinates of its own. */
   base_energy?: number[];
+  /** Of modes of the payload, in absolute motion. */
+  payload_energy?: number;
   strain_energy: Strain;
   shape: number[];
   shape_imaginary?: number[];
@@ -290,7 +293,13 @@ export interface DiagnosedMode {
   rigid_hz: number | null;
   rigid_mac: number;
   drop: number;
-  strain_energy: { oil: number; guide_sleeve: number; piston_ring: number; base_mount: number };
+  strain_energy: {
+    oil: number;
+    guide_sleeve: number;
+    piston_ring: number;
+    base_mount: number;
+    payload?: number;
+  };
 }
 
 export interface Hypothesis {
