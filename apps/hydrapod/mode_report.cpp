@@ -169,7 +169,11 @@ std::string mode_csv(const modal::ModeTable& table) {
       "kinetic_x,kinetic_y,kinetic_z,kinetic_rx,kinetic_ry,kinetic_rz,kinetic_legs,"
       "elastic_oil,elastic_guide_sleeve,elastic_piston_ring,preload,"
       "rigid_mode,rigid_omega_rad_s,rigid_mac,rigid_shift_percent,kinetic_base,elastic_base_"
-      "mount\n";
+      "mount";
+  const bool bends = std::ranges::any_of(table.real.modes, [](const modal::TabledMode& mode) {
+    return !mode.energy.bending.isZero(0.0);
+  });
+  text += bends ? ",elastic_bending\n" : "\n";
   for (size_t k = 0; k < table.real.modes.size(); ++k) {
     const auto& entry = table.real.modes[k];
     const auto& energy = entry.energy;
@@ -186,7 +190,8 @@ std::string mode_csv(const modal::ModeTable& table) {
                           100.0 * entry.rigid->shift);
     else
       text += ",,,,";
-    text += fmt::format(",{:.17g},{:.17g}\n", energy.base.sum(), energy.base_mount);
+    text += fmt::format(",{:.17g},{:.17g}", energy.base.sum(), energy.base_mount);
+    text += bends ? fmt::format(",{:.17g}\n", energy.bending.sum()) : "\n";
   }
   return text;
 }

@@ -199,6 +199,7 @@ void trace_modes(const model::MachineFile& file, Diagnosis& d) {
     mode.guide_sleeves = energy.guide_sleeve.sum();
     mode.piston_rings = energy.piston_ring.sum();
     mode.base = energy.base_mount;
+    mode.bending = energy.bending.sum();
     d.modes.push_back(mode);
   }
 }

@@ -109,8 +109,7 @@ bool is_stable(const std::array<Span, 4>& spans, const std::optional<RigidCase>&
 std::optional<ColumnStrength> column_strength(const model::Leg& leg, double length) {
   const auto& rod = leg.rod;
   const auto& around = leg.cylinder_case;
-  const auto& cylinder = leg.oil_spring.cylinder;
-  const double diameter = rod.diameter ? *rod.diameter : cylinder ? cylinder->rod_diameter : 0.0;
+  const double diameter = model::rod_diameter(leg).value_or(0.0);
   const double l_m = length - rod.length, L_g = leg.guide_sleeve.position;
   if (!(diameter > 0.0) || !(l_m > 0.0) || !(L_g - l_m > least_guide * length) || !(length > L_g))
     return {};

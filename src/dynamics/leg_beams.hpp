@@ -27,9 +27,10 @@
 ///
 /// What is left moves with the chord, but the end of the case with the case.
 
+#include <Eigen/Core>
 #include <optional>
 
-#include "hydrapod/model/machine.hpp"
+#include "hydrapod/dynamics/leg.hpp"
 
 namespace hydrapod::dynamics {
 
@@ -63,5 +64,14 @@ struct LegBeams {
 
 /// None where the leg does not bend.
 std::optional<LegBeams> leg_beams(const model::Leg& leg);
+
+/// ∂F/∂δ [N/m] of seal and guide ring.
+Eigen::Matrix2d seal_tangent(const LegElement& element);
+
+/// How δ and F follow d_s, beams in series: δ = δ_d d_s, F = F_d d_s for small changes.
+struct InSeries {
+  Eigen::Matrix2d delta_d, F_d;
+  explicit InSeries(const LegElement& element);
+};
 
 }  // namespace hydrapod::dynamics

@@ -125,6 +125,44 @@ LegConstants gather_constants(const model::Machine& machine,
   return to;
 }
 
+/// Rods and cases as beams. Their compression and the mass of their bows are kept as they are in
+/// the static equilibrium at the reference pose; straight legs stand in where there is none.
+void add_beams(const model::Machine& machine, ModelKind kind, const spatial::Pose& X_reference,
+               const kinematics::LegGeometries& geometry, LegConstants& to) {
+  to.bends = kind != ModelKind::rigid && model::has_elastic_legs(machine);
+  if (!to.bends) return;
+  const auto rest = static_equilibrium(machine, X_reference, kind);
+  std::array<BowMass, model::leg_count> mass;
+  std::array<Eigen::Matrix2d, model::leg_count> slope;
+  std::array<Vector2, model::leg_count> at_rest;
+  for (std::size_t i = 0; i < model::leg_count; ++i) {
+    const auto& leg = machine.legs[i];
+    constexpr double rigid = std::numeric_limits<double>::infinity();
+    to.beams[i] = leg_beams(leg).value_or(
+        LegBeams{.EI_rod = rigid, .EI_case = rigid, .l_mn = leg.rod.length});
+    const LegState state = rest.status == StaticsStatus::converged ? rest.legs[i] : LegState{};
+    to.compression[i] = -state.oil_force;
+    const auto element =
+        bent_leg(leg, geometry[i].a, machine.flexible_axes, machine.gravity, state).element;
+    mass[i] = to.beams[i].bow_mass(element.l_m, to.compression[i]);
+    slope[i] = InSeries(element).F_d;
+    at_rest[i] = element.bending_force -
+                 slope[i] * (element.sleeve_offset + element.bending * element.bending_force);
+  }
+  const auto each = [&](auto value) {
+    return gather([&](int i) { return value(static_cast<std::size_t>(i)); });
+  };
+  for (int k = 0; k < 2; ++k) {
+    to.bow_rest[k] = each([&](std::size_t i) { return at_rest[i][k]; });
+    for (int j = 0; j < 2; ++j) to.bow_slope(k, j) = each([&](auto i) { return slope[i](k, j); });
+  }
+  to.bow_piston = each([&](std::size_t i) { return mass[i].piston; });
+  to.bow_tilt = each([&](std::size_t i) { return mass[i].tilt; });
+  to.bow_case = each([&](std::size_t i) { return mass[i].around; });
+  to.bow_self = each([&](std::size_t i) { return mass[i].self; });
+  to.bow_moment = each([&](std::size_t i) { return mass[i].moment; });
+}
+
 bool has_joint_friction(const model::Machine& machine) {
   return std::any_of(machine.legs.begin(), machine.legs.end(), [](const model::Leg& leg) {
     const auto& friction = leg.hydraulics.joint_friction;
@@ -273,8 +311,9 @@ NonlinearModel::NonlinearModel(const model::Machine& machine, ModelKind kind,
     piston_axes_[i] = Vector3(1.0, 0.0, frame.tan_gimbal).normalized();
   }
   if (spinning_ && kind != ModelKind::rigid) turn_piston_axes(X_reference);
-  constants_ = std::make_shared<const LegConstants>(
-      gather_constants(machine_, axes_, piston_axes_, geometry));
+  auto constants = gather_constants(machine_, axes_, piston_axes_, geometry);
+  add_beams(machine_, kind, X_reference, geometry, constants);
+  constants_ = std::make_shared<const LegConstants>(constants);
 }
 
 /// To where the gimbals' axes are when the legs are bent by gravity.
@@ -304,7 +343,10 @@ void NonlinearModel::configuration(const spatial::Pose& X_BP,
 }
 
 StaticEquilibrium NonlinearModel::equilibrium(const spatial::Pose& X_BP) const {
-  auto rest = static_equilibrium(machine_, X_BP, kind_);
+  StaticsOptions options;
+  if (constants_->bends)
+    options.rod_compression = Eigen::Map<const Vector6>(constants_->compression.data());
+  auto rest = static_equilibrium(machine_, X_BP, kind_, options);
   const auto geometry = kinematics::inverse_kinematics(machine_, X_BP);
   if (rest.status == StaticsStatus::converged)
     for (int i = 0; i < model::leg_count; ++i)
@@ -331,6 +373,7 @@ void NonlinearModel::motion(const double* y, const double* v, Motion& motion) co
   const Vector3L L = broadcast(motion.p_BC) + lanes.arm - constants_->b;
   const Vector3L v_a = broadcast(velocity) + broadcast(omega).cross(lanes.arm);
   const Lanes exist = move_legs(*constants_, L, v_a, spinning_, n > 0, lanes);
+  const bool bends = constants_->bends;
   for (int i = 0; i < model::leg_count; ++i) {
     auto& leg = motion.legs[i];
     leg.exists = exist[i] > 0.0;
@@ -339,7 +382,8 @@ void NonlinearModel::motion(const double* y, const double* v, Motion& motion) co
     leg.s = lanes.s[i];
     leg.s_rate = lanes.s_rate[i];
     for (int k = 0; k < n; ++k) leg.flexible[k] = lanes.flexible[k][i];
-    leg.sleeve_offset << lanes.sleeve_offset[0][i], lanes.sleeve_offset[1][i];
+    const auto& offset = bends ? lanes.seal_offset : lanes.sleeve_offset;
+    leg.sleeve_offset << offset[0][i], offset[1][i];
   }
 }
 
@@ -420,6 +464,7 @@ Energies NonlinearModel::energies(const Motion& motion) const {
     twice += legs.I_ta * spin.of_case * spin.of_case + legs.I_ra * spin.of_rod * spin.of_rod +
              legs.I_c * at.alpha * at.alpha;
   }
+  if (legs.bends) twice += bow_energy(at, legs);
   energy.legs = 0.5 * twice.sum();
   energy.gravity = -platform.mass * machine_.gravity.dot(motion.p_BC);
   for (const auto& leg : machine_.legs)
@@ -429,9 +474,12 @@ Energies NonlinearModel::energies(const Motion& motion) const {
   const Lanes weight = legs.m_t_r_b * g_L[2] + legs.m_g * g_L.dot(at.g);
   energy.gravity -= weight.sum();
   if (kind_ != ModelKind::rigid) {
-    const Lanes sleeves = legs.k_s * at.sleeve_offset.dot(at.sleeve_offset);
+    const Vector2L& offset = legs.bends ? at.seal_offset : at.sleeve_offset;
+    const Lanes sleeves = legs.k_s * offset.dot(offset);
     energy.sleeves = 0.5 * sleeves.sum();
     if (legs.guide_contact) energy.sleeves += guide_energy(at, legs).sum();
+    if (legs.bends)
+      energy.bending = 0.5 * Lanes(at.bending * at.bending_force.dot(at.bending_force)).sum();
   }
   if (kind_ == ModelKind::full) {
     const Lanes rings =
@@ -449,8 +497,10 @@ double NonlinearModel::dissipation(const Motion& motion) const {
     power += turning.base_slope * turning.base_rate.dot(turning.base_rate) +
              turning.platform_slope * turning.platform_rate.dot(turning.platform_rate);
   }
-  if (kind_ != ModelKind::rigid)
-    power += constants_->c_s * at.sleeve_offset_rate.dot(at.sleeve_offset_rate);
+  if (kind_ != ModelKind::rigid) {
+    const Vector2L& rate = constants_->bends ? at.seal_offset_rate : at.sleeve_offset_rate;
+    power += constants_->c_s * rate.dot(rate);
+  }
   if (kind_ == ModelKind::full)
     power += constants_->c_ring * at.ring_offset_rate.dot(at.ring_offset_rate);
   return power.sum();

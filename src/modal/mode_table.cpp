@@ -41,7 +41,9 @@ std::string compliance_text(const EnergyShares& energy) {
   const double oil = energy.oil.sum();
   const double guide = energy.guide_sleeve.sum();
   const double ring = energy.piston_ring.sum();
-  if (energy.base_mount > std::max({oil, guide, ring})) return "base mount";
+  const double bending = energy.bending.sum();
+  if (energy.base_mount > std::max({oil, guide, ring, bending})) return "base mount";
+  if (bending > std::max({oil, guide, ring})) return "bending of " + legs_involved(energy.bending);
   if (oil >= guide && oil >= ring) return "oil springs of " + legs_involved(energy.oil);
   if (guide >= ring) return "guide sleeves of " + legs_involved(energy.guide_sleeve);
   return "piston rings of " + legs_involved(energy.piston_ring);
@@ -145,7 +147,9 @@ std::string mode_label(const EnergyShares& energy, bool stable) {
     return unstable + "base " + directions_text(energy.base) + ", " + compliance_text(energy);
   if (energy.platform.sum() < local_mode_energy) {
     const double ring = energy.piston_ring.sum(), guide = energy.guide_sleeve.sum();
-    if (energy.base_mount > ring + guide) return unstable + "local base mode";
+    const double bending = energy.bending.sum();
+    if (energy.base_mount > ring + guide + bending) return unstable + "local base mode";
+    if (bending > std::max(ring, guide)) return unstable + "local bending mode";
     return unstable + (ring > guide ? "local piston-ring mode" : "local seal mode");
   }
   return unstable + platform_directions(energy) + ", " + compliance_text(energy);

@@ -114,6 +114,8 @@ Json answer_json(const modal::ModeTable& table) {
               {"guide_sleeve", entry.energy.guide_sleeve.sum()},
               {"piston_ring", entry.energy.piston_ring.sum()}}}};
   if (entry.energy.base_mount != 0.0) json["strain_energy"]["base_mount"] = entry.energy.base_mount;
+  if (!entry.energy.bending.isZero(0.0))
+    json["strain_energy"]["bending"] = entry.energy.bending.sum();
   if (entry.rigid) {
     json["rigid_mode"] = entry.rigid->mode + 1;
     json["rigid_frequency_hz"] = table.rigid.modes[entry.rigid->mode].mode.omega / two_pi;

@@ -129,6 +129,7 @@ void describe(Fields& f, MeasuredMode& m) {
     energy("guide_sleeve", m.guide_sleeves);
     energy("piston_ring", m.piston_rings);
     energy("base_mount", m.base);
+    energy.unless(0.0, "bending", m.bending);
   });
   if constexpr (Fields::reads) m.omega_rigid = two_pi * rigid_hz.value_or(0.0);
 }
@@ -139,7 +140,8 @@ void describe(Fields& f, PartShare& share) {
   describe_leg_number(f, share.part.leg);
   f.scaled("frequency_hz", share.omega, two_pi);
   f("share", share.share);
-  static constexpr std::array compliances{"guide_sleeve", "piston_ring", "gimbals", "base_mount"};
+  static constexpr std::array compliances{"guide_sleeve", "piston_ring", "gimbals",
+                                          "base_mount",   "payload",     "bending"};
   f.word("code", share.part.what, compliances);
 }
 
@@ -317,6 +319,7 @@ void describe_remedy(Fields& f, Remedy& r, RemedyGoal& goal) {
   f("present", r.today);
   f("required", r.needed);
   f("rigid_sleeves", r.limit);
+  f.optional("rigid_sleeves_without_bending", r.limit_without_bending);
   f("pose", r.pose);
   describe_resonance_direction(f, r.direction);
   f("curve", r.curve);
