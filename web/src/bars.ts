@@ -18,12 +18,16 @@ export const energyParts = (strain: {
   guide_sleeve: number;
   piston_ring: number;
   base_mount?: number;
+  bending?: number;
 }): Part[] => [
   { name: 'oil', long: 'oil', value: strain.oil, kind: 'oil' },
   { name: 'sleeves', long: 'guide sleeves', value: strain.guide_sleeve, kind: 'sleeve' },
   { name: 'rings', long: 'piston rings', value: strain.piston_ring, kind: 'ring' },
   ...(strain.base_mount
     ? [{ name: 'base', long: 'base', value: strain.base_mount, kind: 'legs' }]
+    : []),
+  ...(strain.bending
+    ? [{ name: 'bending', long: 'bending of rods and cases', value: strain.bending, kind: 'legs' }]
     : []),
 ];
 

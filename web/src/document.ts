@@ -9,8 +9,10 @@ export interface Strain {
   guide_sleeve: number;
   piston_ring: number;
   base_mount?: number;
+  /** Of legs that bend. */
+  bending?: number;
   preload: number;
-  per_leg: { oil: number[]; guide_sleeve: number[]; piston_ring: number[] };
+  per_leg: { oil: number[]; guide_sleeve: number[]; piston_ring: number[]; bending?: number[] };
 }
 
 export interface Mode {
@@ -91,7 +93,7 @@ export interface Answer {
   mode: number;
   frequency_hz: number;
   directions: string;
-  strain_energy: { oil: number; guide_sleeve: number; piston_ring: number };
+  strain_energy: { oil: number; guide_sleeve: number; piston_ring: number; bending?: number };
   rigid_mode?: number;
   rigid_frequency_hz?: number;
   drop_percent?: number;
@@ -150,6 +152,7 @@ export interface PoseCheck {
     static_tilt_rad: number;
     sleeve_offset_m: number;
     guide_gap_m?: number;
+    bow_m?: number;
     retract_left_m?: number;
     extend_left_m?: number;
     cap_pressure_Pa?: number | null;
@@ -290,7 +293,13 @@ export interface DiagnosedMode {
   rigid_hz: number | null;
   rigid_mac: number;
   drop: number;
-  strain_energy: { oil: number; guide_sleeve: number; piston_ring: number; base_mount: number };
+  strain_energy: {
+    oil: number;
+    guide_sleeve: number;
+    piston_ring: number;
+    base_mount: number;
+    bending?: number;
+  };
 }
 
 export interface Hypothesis {
