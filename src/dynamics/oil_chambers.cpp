@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "hydrapod/base/error.hpp"
+#include "hydrapod/dynamics/equivalent.hpp"
 #include "hydrapod/hydraulics/servo_axis.hpp"
 
 namespace hydrapod::dynamics {
@@ -60,16 +61,8 @@ void fill_chambers(const model::Machine& machine, LinearModel& model) {
 }
 
 void point_arms(LinearModel& model) {
-  const int flexible = flexible_per_leg(model.kind);
-  for (auto& arm : model.arms) {
-    const auto s_x = stretch(model.legs[arm.leg], arm);
-    const spatial::Vector6 of_platform = model.J[arm.leg].transpose() * s_x.head<3>();
-    arm.s_y = ModelVector::Zero(model.dof());
-    arm.s_y.head<6>() = of_platform;
-    arm.s_y.segment(model.first_of_leg(arm.leg), flexible) = s_x.segment(3, flexible);
-    if (model.base_count() > 0)
-      arm.s_y.tail(model.base_count()) = -model.carried_by_base.transpose() * of_platform;
-  }
+  for (auto& arm : model.arms)
+    arm.s_y = per_coordinate(model, arm.leg, stretch(model.legs[arm.leg], arm));
 }
 
 void damp_mount(const model::Machine& machine, LinearModel& model) {

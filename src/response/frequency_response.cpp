@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "elimination.hpp"
+#include "hydrapod/dynamics/equivalent.hpp"
 
 namespace hydrapod::response {
 
@@ -29,15 +30,10 @@ void move_platform_coordinates(const Matrix6& T, ModelMatrix& A) {
 /// Generalised forces of the oil columns per force or moment at Q: (∂s/∂y)ᵀ (∂s/∂q_Q)⁻ᵀ. They push
 /// a base with coordinates the other way.
 ModelMatrix actuator_loads(const LinearModel& model, const Matrix6& T) {
-  const int flexible = dynamics::flexible_per_leg(model.kind);
-  ModelMatrix s_y = ModelMatrix::Zero(6, model.dof());
-  for (int i = 0; i < model::leg_count; ++i) {
-    const auto& s_x = model.legs[i].s_x;
-    s_y.row(i).head<6>() = s_x.head<3>().transpose() * model.J[i] * T;
-    s_y.row(i).segment(model.first_of_leg(i), flexible) = s_x.segment(3, flexible).transpose();
-    s_y.row(i).tail(model.base_count()) =
-        -s_x.head<3>().transpose() * model.J[i] * model.carried_by_base;
-  }
+  ModelMatrix s_y(6, model.dof());
+  for (int i = 0; i < model::leg_count; ++i)
+    s_y.row(i) = dynamics::per_coordinate(model, i, model.legs[i].s_x);
+  s_y.leftCols<6>() = (s_y.leftCols<6>() * T).eval();
   const Eigen::FullPivLU<Matrix6> lu(Matrix6(s_y.leftCols<6>()));
   if (!lu.isInvertible())
     throw std::invalid_argument(
