@@ -197,7 +197,7 @@ struct Bending {
   Bending(const LegBeams& beams, double s, double P, const SleeveOffset& sleeve,
           const LegElement& element)
       : compliance(beams.compliance(s, P)),
-        mass(beams.bow_mass(s, P)),
+        mass(beams.bow_mass(s, P, element.k_s + element.k_contact)),
         series(element),
         force((element.k_s + element.k_contact) * element.sleeve_offset),
         D(sleeve.D) {

@@ -1,11 +1,13 @@
 #include "leg_beams.hpp"
 
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 namespace hydrapod::dynamics {
 
@@ -110,59 +112,158 @@ BeamCompliance of_case(const LegBeams& beams, double s, double P) {
           (6.0 * a + 2.0 * at.f - 4.0 * a * at.f_s + a2 * at.f_ss) * per};
 }
 
-/// ∫ from x0 to x1, exact for polynomials up to the seventh degree.
+/// ∫ from x0 to x1, exact for polynomials up to the fifteenth degree.
 template <class Use>
 void integrate(double x0, double x1, Use use) {
-  constexpr std::array<double, 4> at{-0.86113631159405258, -0.33998104358485626,
-                                     0.33998104358485626, 0.86113631159405258};
-  constexpr std::array<double, 4> weight{0.34785484513745386, 0.65214515486254614,
-                                         0.65214515486254614, 0.34785484513745386};
-  const double half = 0.5 * (x1 - x0);
-  for (std::size_t i = 0; i < at.size(); ++i) use(x0 + half * (1.0 + at[i]), half * weight[i]);
+  constexpr std::array<double, 4> at{0.18343464249564980, 0.52553240991632899,
+                                     0.79666647741362674, 0.96028985649753623};
+  constexpr std::array<double, 4> weight{0.36268378337836198, 0.31370664587788729,
+                                         0.22238103445337447, 0.10122853629037626};
+  const double half = 0.5 * (x1 - x0), middle = 0.5 * (x0 + x1);
+  for (std::size_t i = 0; i < at.size(); ++i)
+    for (const double side : {-half, half}) use(middle + side * at[i], half * weight[i]);
 }
+
+/// Deflections of a body from its chord: that under a unit force at the sleeve, and two more that
+/// its own inertia brings.
+struct Bows {
+  Vector3 at_sleeve{Vector3::Zero()};
+  Vector3 momentum{Vector3::Zero()};  ///< ∫ μ w
+  Vector3 moment{Vector3::Zero()};    ///< ∫ μ w x
+  Matrix3 mass{Matrix3::Zero()};      ///< ∫ μ w wᵀ
+  Matrix3 stiffness{Matrix3::Identity()};
+
+  void add_mass(double m, double x, const Vector3& w) {
+    momentum += m * w;
+    moment += m * x * w;
+    mass += m * w * w.transpose();
+  }
+};
+
+/// Those of the rod: sines beside the cubic splines of the force.
+Bows rod_bows(const LegBeams& beams, double s) {
+  Bows bows;
+  const double a = beams.L_g - s, L = beams.l_mn, b = L - a, k = pi / L;
+  const double per_force = 1.0 / (6.0 * beams.EI_rod * L);
+  const auto deflections = [&](double x) {
+    const double y = L - x;
+    return Vector3(per_force * (x < a ? b * x * (L * L - b * b - x * x)
+                                      : a * y * (L * L - a * a - y * y)),
+                   std::sin(k * x), std::sin(2.0 * k * x));
+  };
+  bows.at_sleeve = deflections(a);
+  for (const auto& [from, to] : {std::pair{0.0, a}, std::pair{a, L}})
+    integrate(from, to, [&](double x, double dx) {
+      bows.add_mass(beams.mu_rod * dx, x, deflections(x));
+    });
+  // A shape that vanishes at the supports meets the force with its deflection there.
+  bows.stiffness.row(0) = bows.at_sleeve;
+  bows.stiffness.col(0) = bows.at_sleeve;
+  bows.stiffness.bottomRightCorner<2, 2>() =
+      0.5 * beams.EI_rod * L * std::pow(k, 4) * Eigen::Vector2d(1.0, 16.0).asDiagonal();
+  return bows;
+}
+
+/// Those of the case: (x − s) x and (x − s) x² over powers of L_g.
+Bows case_bows(const LegBeams& beams, double s) {
+  Bows bows;
+  if (std::isinf(beams.EI_case)) return bows;
+  const double L = beams.L_g, a = L - s, per_force = 1.0 / (6.0 * beams.EI_case);
+  const auto deflections = [&](double x) {
+    const double y = x - s;
+    return Vector3(per_force * (x < s ? -a * x * (s * s - x * x) / s
+                                      : y * (2.0 * a * s + 3.0 * a * y - y * y)),
+                   x * y / (L * L), x * x * y / (L * L * L));
+  };
+  bows.at_sleeve = deflections(L);
+  for (const auto& [from, to] : {std::pair{0.0, s}, std::pair{s, L}})
+    integrate(from, to, [&](double x, double dx) {
+      bows.add_mass(beams.mu_case * dx, x, deflections(x));
+    });
+  bows.add_mass(beams.case_end, L, bows.at_sleeve);
+  bows.stiffness.setZero();
+  bows.stiffness.row(0) = bows.at_sleeve;
+  bows.stiffness.col(0) = bows.at_sleeve;
+  integrate(0.0, L, [&](double x, double dx) {
+    const Eigen::Vector2d curvatures(2.0 / (L * L), (6.0 * x - 2.0 * s) / (L * L * L));
+    bows.stiffness.bottomRightCorner<2, 2>() +=
+        beams.EI_case * dx * curvatures * curvatures.transpose();
+  });
+  return bows;
+}
+
+constexpr int shapes = 7;  // tilt, bows of the rod, bows of the case
+using RitzMatrix = Eigen::Matrix<double, shapes, shapes>;
+using RitzVector = Eigen::Matrix<double, shapes, 1>;
+
+/// The leg with both joints held, seal and beams.
+struct Tilt {
+  double omega{}, piston{}, omega_rod{};  ///< rates of case, piston and rod per φ̇
+  RitzMatrix M{RitzMatrix::Zero()}, K{RitzMatrix::Zero()};
+
+  Tilt(const LegBeams& beams, double s, double k, const Bows& rod, const Bows& tube) {
+    const auto& of_rod = beams.rod;
+    omega = -beams.l_mn / (s + beams.l_mn);
+    piston = s * omega;
+    omega_rod = omega + 1.0;
+    const double center = piston + of_rod.center * omega_rod;
+    M(0, 0) = beams.case_inertia * omega * omega + of_rod.mass * center * center +
+              of_rod.inertia * omega_rod * omega_rod;
+    M.block<1, 3>(0, 1) = (piston * rod.momentum + omega_rod * rod.moment).transpose();
+    M.block<1, 3>(0, 4) = omega * tube.moment.transpose();
+    M.block<6, 1>(1, 0) = M.block<1, 6>(0, 1).transpose();
+    M.block<3, 3>(1, 1) = rod.mass;
+    M.block<3, 3>(4, 4) = tube.mass;
+    K.block<3, 3>(1, 1) = rod.stiffness;
+    K.block<3, 3>(4, 4) = tube.stiffness;
+    RitzVector offset;
+    offset << beams.L_g - s, rod.at_sleeve, -tube.at_sleeve;
+    K += k * offset * offset.transpose();
+  }
+
+  /// Lowest ω², by inverse iteration from the shape `v`.
+  [[nodiscard]] double lowest(RitzVector v) const {
+    const Eigen::LLT<RitzMatrix> factors(K);
+    constexpr int most = 200;
+    double omega2 = 0.0;
+    for (int n = 0; n < most; ++n) {
+      v = factors.solve(RitzVector(M * v));
+      v /= std::sqrt(v.dot(M * v));
+      const double before = omega2;
+      omega2 = v.dot(K * v);
+      if (std::abs(omega2 - before) <= 1e-14 * omega2) break;
+    }
+    return omega2;
+  }
+};
 
 }  // namespace
 
 BeamCompliance LegBeams::compliance(double s, double P) const {
-  const auto rod = of_rod(*this, s, P), tube = of_case(*this, s, P);
-  return {rod.f + tube.f, rod.f_s + tube.f_s, rod.f_ss + tube.f_ss};
+  const auto inside = of_rod(*this, s, P), outside = of_case(*this, s, P);
+  return {inside.f + outside.f, inside.f_s + outside.f_s, inside.f_ss + outside.f_ss};
 }
 
-BowMass LegBeams::bow_mass(double s, double P) const {
-  const double a = L_g - s, b = l_mn - a, L = l_mn;
-  const auto growth = [&](auto part) {  // by the compression, of the bow as a whole
-    const double without = part(*this, s, 0.0).f;
-    return without > 0.0 ? part(*this, s, P).f / without : 1.0;
-  };
-  BowMass bow;
-  const double of_rods = growth(of_rod) / (6.0 * EI_rod * L);
-  const auto add_rod = [&](double xi, double dx) {
-    const double from_end = L - xi;
-    const double g = of_rods * (xi < a ? b * xi * (L * L - b * b - xi * xi)
-                                       : a * from_end * (L * L - a * a - from_end * from_end));
-    const double first = mu_rod * g * dx;
-    bow.piston += first;
-    bow.tilt += first * xi;
-    bow.self += first * g;
-  };
-  integrate(0.0, a, add_rod);
-  integrate(a, L, add_rod);
-  bow.moment = bow.piston;
-
-  const double of_cases = growth(of_case) / (6.0 * EI_case);
-  const auto add_case = [&](double x, double mass) {
-    const double beyond = x - s;
-    const double g = of_cases * (x < s ? -a * x * (s * s - x * x) / s
-                                       : beyond * (2.0 * a * s + 3.0 * a * beyond - beyond * beyond));
-    const double first = mass * g;
-    bow.around += first * x;
-    bow.self += first * g;
-    bow.moment -= first;
-  };
-  const auto add_tube = [&](double x, double dx) { add_case(x, mu_case * dx); };
-  integrate(0.0, s, add_tube);
-  integrate(s, L_g, add_tube);
-  add_case(L_g, case_end);
+BowMass LegBeams::bow_mass(double s, double P, double k) const {
+  const double a = L_g - s;
+  if (std::isinf(EI_rod) || !(s > 0.0) || !(a > 0.0) || !(a < l_mn) || !(k > 0.0)) return {};
+  const auto of_rod = rod_bows(*this, s), of_case = case_bows(*this, s);
+  BowMass bow{.piston = of_rod.momentum[0],
+              .tilt = of_rod.moment[0],
+              .around = of_case.moment[0],
+              .self = of_rod.mass(0, 0) + of_case.mass(0, 0),
+              .moment = of_rod.momentum[0] - of_case.momentum[0]};
+  const double f = compliance(s, 0.0).f, force = a * k / (1.0 + f * k);  // per φ
+  const Tilt tilt(*this, s, k, of_rod, of_case);
+  RitzVector shape = RitzVector::Zero();
+  shape[0] = 1.0;
+  shape[1] = -force;
+  shape[4] = force;
+  const double mass = shape.dot(tilt.M * shape), missing = force * a / tilt.lowest(shape) - mass;
+  bow.self += std::max(missing, 0.0) / (force * force);
+  const double growth = compliance(s, P).f / f;
+  for (double* part : {&bow.piston, &bow.tilt, &bow.around, &bow.moment}) *part *= growth;
+  bow.self *= growth * growth;
   return bow;
 }
 
@@ -176,6 +277,8 @@ std::optional<LegBeams> leg_beams(const model::Leg& leg) {
                  .EI_case = std::numeric_limits<double>::infinity(),
                  .l_mn = rod.length,
                  .L_g = L_g};
+  beams.rod = {rod.mass, rod.mass_center, rod.transverse_inertia};
+  beams.case_inertia = tube.transverse_inertia + tube.mass * tube.mass_center * tube.mass_center;
   beams.mu_rod = spread(rod.mass, rod.mass_center, rod.transverse_inertia, rod.length).uniform;
   if (!tube.diameter || !tube.wall) return beams;
   beams.EI_case = bending_stiffness(E, *tube.diameter, tube.wall);

@@ -126,7 +126,7 @@ LegElement straight_leg(const model::Leg& leg, const kinematics::LegGeometry& ge
     element.F_x = element.k_s * element.d_x;
     at_sleeve *= series;
     const double stiffness = element.k_s / series;
-    plane += plane_bow_mass(leg, element, beams->bow_mass(element.l_m, 0.0),
+    plane += plane_bow_mass(leg, element, beams->bow_mass(element.l_m, 0.0, element.k_s),
                             stiffness * Vector3(0.0, element.l_mh, 1.0));
   }
   scatter(plane, plane_t, 1.0, element.M);

@@ -92,7 +92,8 @@ void add_bow(const model::Leg& leg, const BentGeometry& at, const LegElement& el
              const LegState& state, Matrix37& linear, Matrix37& about_joint) {
   const auto beams = leg_beams(leg);
   if (!beams) return;
-  const auto mass = beams->bow_mass(element.l_m, state.rod_compression.value_or(-state.oil_force));
+  const auto mass = beams->bow_mass(element.l_m, state.rod_compression.value_or(-state.oil_force),
+                                    element.k_s + element.k_contact);
   // d_s° = u° − ṡ τ + h τ°,  τ = e⊥/e_n
   const Vector2 tau = at.e.head<2>() / at.e.z();
   const Eigen::Matrix<double, 2, leg_coordinates> tau_rate =
