@@ -8,23 +8,13 @@
 #include <limits>
 #include <numbers>
 
+#include "round_section.hpp"
+
 namespace hydrapod::dynamics {
 
 namespace {
 
 using std::numbers::pi;
-
-struct Section {
-  double area{};           ///< A [m²]
-  double second_moment{};  ///< I [m⁴]
-};
-
-/// Solid without a wall.
-Section round_section(double diameter, std::optional<double> wall) {
-  const double inside = wall ? diameter - 2.0 * *wall : 0.0;
-  return {pi / 4.0 * (diameter * diameter - inside * inside),
-          pi / 64.0 * (std::pow(diameter, 4) - std::pow(inside, 4))};
-}
 
 /// Guided length over the leg's; below, rounding takes what is left of the stiffness.
 constexpr double least_guide = 1e-3;

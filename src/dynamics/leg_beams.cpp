@@ -9,16 +9,13 @@
 #include <numbers>
 #include <utility>
 
+#include "round_section.hpp"
+
 namespace hydrapod::dynamics {
 
 namespace {
 
 using std::numbers::pi;
-
-double bending_stiffness(double E, double diameter, std::optional<double> wall) {
-  const double inside = wall ? diameter - 2.0 * *wall : 0.0;
-  return E * pi / 64.0 * (std::pow(diameter, 4) - std::pow(inside, 4));
-}
 
 /// A uniform part and point masses at both ends.
 struct Spread {
@@ -273,7 +270,7 @@ std::optional<LegBeams> leg_beams(const model::Leg& leg) {
   const auto& rod = leg.rod;
   const auto& tube = leg.cylinder_case;
   const double E = rod.youngs_modulus, L_g = leg.guide_sleeve.position;
-  LegBeams beams{.EI_rod = bending_stiffness(E, *diameter, rod.wall),
+  LegBeams beams{.EI_rod = E * round_section(*diameter, rod.wall).second_moment,
                  .EI_case = std::numeric_limits<double>::infinity(),
                  .l_mn = rod.length,
                  .L_g = L_g};
@@ -281,7 +278,7 @@ std::optional<LegBeams> leg_beams(const model::Leg& leg) {
   beams.case_inertia = tube.transverse_inertia + tube.mass * tube.mass_center * tube.mass_center;
   beams.mu_rod = spread(rod.mass, rod.mass_center, rod.transverse_inertia, rod.length).uniform;
   if (!tube.diameter || !tube.wall) return beams;
-  beams.EI_case = bending_stiffness(E, *tube.diameter, tube.wall);
+  beams.EI_case = E * round_section(*tube.diameter, tube.wall).second_moment;
   const auto of_tube = spread(tube.mass, tube.mass_center, tube.transverse_inertia, L_g);
   beams.mu_case = of_tube.uniform;
   beams.case_end = of_tube.end;
