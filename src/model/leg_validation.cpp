@@ -75,15 +75,10 @@ void check_sections(const Leg& leg, ValueChecks& checks) {
 
 /// What rod and case are as beams.
 void check_bending(const Leg& leg, ValueChecks& checks) {
-  if (leg.bending == LegBending::rigid) return;
-  if (!rod_diameter(leg))
+  if (leg.bending == LegBending::elastic && !rod_diameter(leg))
     checks.add("bending",
                "is \"elastic\" for a rod of unknown thickness, expected `rod.diameter` (or "
                "`oil_spring.cylinder.rod_diameter`); `rod.wall` too where the rod is hollow");
-  if (leg.guide_sleeve.elastomer)
-    checks.add("bending",
-               "is \"elastic\" beside `guide_sleeve.elastomer`: the series of both is not "
-               "modelled, expected one of them");
 }
 
 void check_volumes(const Cylinder& cylinder, bool has_stroke, ValueChecks& checks) {

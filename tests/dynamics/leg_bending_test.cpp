@@ -10,6 +10,7 @@
 #include "dynamics/leg_beams.hpp"
 #include "exact/leg_potential.hpp"
 #include "exact/plane_beams.hpp"
+#include "hydrapod/dynamics/equivalent.hpp"
 #include "hydrapod/dynamics/linear_model.hpp"
 #include "hydrapod/dynamics/nonlinear.hpp"
 #include "hydrapod/dynamics/statics.hpp"
@@ -311,6 +312,30 @@ TEST(LegBending, SharesEnergyAndDampingAsSpringsInSeriesDo) {
     const double loss = element.C(3, 3) * seal.imag() / sleeve.damping;
     EXPECT_NEAR(element.K(3, 3), exact.real(), 1e-6 * exact.real());
     EXPECT_NEAR(loss, exact.imag(), 2e-6 * exact.imag());
+  }
+}
+
+/// Of springs and arms in series with a spring, against the complex stiffness.
+TEST(LegBending, IsInSeriesWithTheArmsOfAnElastomer) {
+  constexpr double k = 8.4e5;
+  const auto arms = dynamics::seal_arms(
+      k, {.dynamic_ratio = 2.3, .loss_factor = 0.21, .frequency = 71.0});
+  const auto stiffness = [](double slow, const dynamics::SealArms& of, double per_chord,
+                            double omega) {
+    const std::complex<double> p(0.0, omega);
+    std::complex<double> sum = slow;
+    for (const auto& arm : of) sum += per_chord * arm.stiffness * p / (p + arm.rate);
+    return sum;
+  };
+  for (const double f : {1e-9, 1.1e-7, 3e-6}) {
+    const double r = 1.0 / (1.0 + f * k);
+    const auto series = dynamics::arms_in_series(arms, k, f);
+    for (const double omega : {0.3, 11.0, 71.0, 430.0, 9e3}) {
+      const auto exact = 1.0 / (f + 1.0 / stiffness(k, arms, 1.0, omega));
+      const auto found = stiffness(r * k, series, r * r, omega);
+      // the pole is known to ε of itself, its distance from that of the seal is f κ of it
+      EXPECT_LE(std::abs(found - exact), 1e-15 / (f * k) * std::abs(exact)) << f << " " << omega;
+    }
   }
 }
 

@@ -355,15 +355,6 @@ TEST(Bending, NeedsToKnowHowThickTheRodIs) {
   EXPECT_THAT(findings_about(machine), IsEmpty());
 }
 
-TEST(Bending, BesideAnElastomerIsNotModelled) {
-  auto machine = full_machine();
-  machine.legs[1].bending = LegBending::elastic;
-  machine.legs[1].guide_sleeve.elastomer =
-      Elastomer{.dynamic_ratio = 1.4, .loss_factor = 0.12, .frequency = 60.0};
-  EXPECT_THAT(findings_about(machine),
-              testing::Contains(testing::HasSubstr("guide_sleeve.elastomer")));
-}
-
 TEST(Bending, MakesTheSectionsOfRodAndCaseMechanical) {
   auto machine = full_machine();
   const auto id = find_parameter(machine, "legs.rod.youngs_modulus");
