@@ -59,6 +59,8 @@ SealArms seal_arms(double stiffness, const model::Elastomer& elastomer, double s
 }
 
 SealArms arms_in_series(const SealArms& arms, double k, double f) {
+  constexpr double least = 1e-9;  // of the arms' share in series: below, they are what they were
+  if (!(f * (arms[0].stiffness + arms[1].stiffness + arms[2].stiffness) > least)) return arms;
   SealArms sorted = arms;
   std::ranges::sort(sorted, {}, &SealArm::rate);
   // 1 + f k(−μ), which falls from ∞ (from 1 + f k at μ = 0) to −∞ between two rates.
