@@ -178,7 +178,11 @@ std::string mode_csv(const modal::ModeTable& table) {
       "rigid_mode,rigid_omega_rad_s,rigid_mac,rigid_shift_percent,kinetic_base,elastic_base_"
       "mount";
   const bool payload = table.real.linear.payload_count() > 0;
-  text += payload ? ",kinetic_payload,elastic_payload\n" : "\n";
+  const bool bends = std::ranges::any_of(table.real.modes, [](const modal::TabledMode& mode) {
+    return !mode.energy.bending.isZero(0.0);
+  });
+  if (payload) text += ",kinetic_payload,elastic_payload";
+  text += bends ? ",elastic_bending\n" : "\n";
   for (size_t k = 0; k < table.real.modes.size(); ++k) {
     const auto& entry = table.real.modes[k];
     const auto& energy = entry.energy;
@@ -197,7 +201,7 @@ std::string mode_csv(const modal::ModeTable& table) {
       text += ",,,,";
     text += fmt::format(",{:.17g},{:.17g}", energy.base.sum(), energy.base_mount);
     if (payload) text += fmt::format(",{:.17g},{:.17g}", energy.payload, energy.payload_elastic);
-    text += '\n';
+    text += bends ? fmt::format(",{:.17g}\n", energy.bending.sum()) : "\n";
   }
   return text;
 }

@@ -18,6 +18,8 @@ std::vector<Compliance> compliances(const model::Machine& machine, dynamics::Mod
     all.push_back(Compliance::gimbals);
   if (machine.base_mount) all.push_back(Compliance::base_mount);
   if (!machine.payload_modes.empty()) all.push_back(Compliance::payload);
+  if (kind != dynamics::ModelKind::rigid && model::has_elastic_legs(machine))
+    all.push_back(Compliance::bending);
   return all;
 }
 
@@ -42,6 +44,7 @@ model::Machine stiffened(model::Machine machine, const Part& part) {
     if (part.what == Compliance::piston_ring && leg.piston_ring)
       leg.piston_ring->stiffness *= rigid;
     if (part.what == Compliance::gimbals) leg.gimbal_stiffness.reset();
+    if (part.what == Compliance::bending) leg.bending = model::LegBending::rigid;
   }
   return machine;
 }

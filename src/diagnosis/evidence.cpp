@@ -128,6 +128,8 @@ Hypothesis Evidence::rigid() const {
     set(path("guide_sleeve.stiffness"), stiffer * leg.guide_sleeve.stiffness);
     if (leg.piston_ring) set(path("piston_ring.stiffness"), stiffer * leg.piston_ring->stiffness);
     if (leg.gimbal_stiffness) set(path("gimbal_stiffness"), like_rigid);
+    if (leg.bending == model::LegBending::elastic)
+      set(path("rod.youngs_modulus"), stiffer * leg.rod.youngs_modulus);
   }
   if (file_.machine.base_mount)
     for (int k = 0; k < 6; ++k)

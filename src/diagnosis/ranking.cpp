@@ -200,6 +200,7 @@ void trace_modes(const model::MachineFile& file, Diagnosis& d) {
     mode.piston_rings = energy.piston_ring.sum();
     mode.base = energy.base_mount;
     mode.payload = energy.payload_elastic;
+    mode.bending = energy.bending.sum();
     d.modes.push_back(mode);
   }
 }

@@ -50,7 +50,13 @@ Vector6 NonlinearModel::momentum(const Motion& motion) const {
     about_joint += (legs.I_ta * spin.of_case) * n + (legs.I_ra * spin.of_rod) * at.e +
                    (legs.I_c * at.alpha) * a1;
   }
-  const Vector3L p_leg = at.R_BL * Vector3L(legs.m_t_r_b * n_rate + legs.m_g * at.g_rate);
+  Vector3L momentum = legs.m_t_r_b * n_rate + legs.m_g * at.g_rate;
+  if (legs.bends) {
+    const auto bow = bow_momentum(at, legs);
+    momentum += bow.linear;
+    about_joint += bow.angular;
+  }
+  const Vector3L p_leg = at.R_BL * momentum;
   Vector3 about_center = R * (platform.inertia * (R.transpose() * omega));
   if (payload_count() > 0) {
     const PayloadInMotion payload(legs.payload, motion, machine_.gravity);

@@ -65,6 +65,11 @@ struct LegConstants {
   PayloadConstants payload;
 };
 
+/// Rods and cases as beams. Their compression and the mass of their bows are kept as they are in
+/// the static equilibrium at the reference pose; straight legs stand in where there is none.
+void add_beams(const model::Machine& machine, ModelKind kind, const spatial::Pose& X_reference,
+               const kinematics::LegGeometries& geometry, LegConstants& to);
+
 /// The legs side by side that `motion` has room for.
 inline LegsInMotion& side_by_side(Motion& motion) {
   static_assert(sizeof(LegsInMotion) == sizeof(motion.side_by_side));

@@ -285,6 +285,7 @@ NonlinearModel::NonlinearModel(const model::Machine& machine, ModelKind kind,
   weight_at_rest_ = X_reference.R_BP.transpose() * machine_.gravity;
   auto constants = gather_constants(machine_, axes_, piston_axes_, geometry);
   constants.payload = PayloadConstants(machine_, weight_at_rest_);
+  add_beams(machine_, kind, X_reference, geometry, constants);
   constants_ = std::make_shared<const LegConstants>(constants);
 }
 
@@ -317,7 +318,10 @@ void NonlinearModel::configuration(const spatial::Pose& X_BP,
 }
 
 StaticEquilibrium NonlinearModel::equilibrium(const spatial::Pose& X_BP) const {
-  auto rest = rest_with_payload(machine_, X_BP, kind_, constants_->payload);
+  StaticsOptions options;
+  if (constants_->bends)
+    options.rod_compression = Eigen::Map<const Vector6>(constants_->compression.data());
+  auto rest = rest_with_payload(machine_, X_BP, kind_, constants_->payload, options);
   const auto geometry = kinematics::inverse_kinematics(machine_, X_BP);
   if (rest.status == StaticsStatus::converged)
     for (int i = 0; i < model::leg_count; ++i)
@@ -349,6 +353,7 @@ void NonlinearModel::motion(const double* y, const double* v, Motion& motion) co
   const Vector3L L = broadcast(motion.p_BC) + lanes.arm - constants_->b;
   const Vector3L v_a = broadcast(velocity) + broadcast(omega).cross(lanes.arm);
   const Lanes exist = move_legs(*constants_, L, v_a, spinning_, n > 0, lanes);
+  const bool bends = constants_->bends;
   for (int i = 0; i < model::leg_count; ++i) {
     auto& leg = motion.legs[i];
     leg.exists = exist[i] > 0.0;
@@ -357,7 +362,8 @@ void NonlinearModel::motion(const double* y, const double* v, Motion& motion) co
     leg.s = lanes.s[i];
     leg.s_rate = lanes.s_rate[i];
     for (int k = 0; k < n; ++k) leg.flexible[k] = lanes.flexible[k][i];
-    leg.sleeve_offset << lanes.sleeve_offset[0][i], lanes.sleeve_offset[1][i];
+    const auto& offset = bends ? lanes.seal_offset : lanes.sleeve_offset;
+    leg.sleeve_offset << offset[0][i], offset[1][i];
   }
 }
 
@@ -443,6 +449,7 @@ Energies NonlinearModel::energies(const Motion& motion) const {
     twice += legs.I_ta * spin.of_case * spin.of_case + legs.I_ra * spin.of_rod * spin.of_rod +
              legs.I_c * at.alpha * at.alpha;
   }
+  if (legs.bends) twice += bow_energy(at, legs);
   energy.legs = 0.5 * twice.sum();
   energy.gravity = -platform.mass * machine_.gravity.dot(motion.p_BC);
   for (const auto& leg : machine_.legs)
@@ -452,9 +459,12 @@ Energies NonlinearModel::energies(const Motion& motion) const {
   const Lanes weight = legs.m_t_r_b * g_L[2] + legs.m_g * g_L.dot(at.g);
   energy.gravity -= weight.sum();
   if (kind_ != ModelKind::rigid) {
-    const Lanes sleeves = legs.k_s * at.sleeve_offset.dot(at.sleeve_offset);
+    const Vector2L& offset = legs.bends ? at.seal_offset : at.sleeve_offset;
+    const Lanes sleeves = legs.k_s * offset.dot(offset);
     energy.sleeves = 0.5 * sleeves.sum();
     if (legs.guide_contact) energy.sleeves += guide_energy(at, legs).sum();
+    if (legs.bends)
+      energy.bending = 0.5 * Lanes(at.bending * at.bending_force.dot(at.bending_force)).sum();
   }
   if (kind_ == ModelKind::full) {
     const Lanes rings =
@@ -473,8 +483,10 @@ double NonlinearModel::dissipation(const Motion& motion) const {
     power += turning.base_slope * turning.base_rate.dot(turning.base_rate) +
              turning.platform_slope * turning.platform_rate.dot(turning.platform_rate);
   }
-  if (kind_ != ModelKind::rigid)
-    power += constants_->c_s * at.sleeve_offset_rate.dot(at.sleeve_offset_rate);
+  if (kind_ != ModelKind::rigid) {
+    const Vector2L& rate = constants_->bends ? at.seal_offset_rate : at.sleeve_offset_rate;
+    power += constants_->c_s * rate.dot(rate);
+  }
   if (kind_ == ModelKind::full)
     power += constants_->c_ring * at.ring_offset_rate.dot(at.ring_offset_rate);
   return power.sum() + payload_dissipation(constants_->payload, motion);

@@ -23,14 +23,15 @@ Vector6 PayloadConstants::at_rest(const Vector3& g_P) const {
 }
 
 StaticEquilibrium rest_with_payload(const model::Machine& machine, const spatial::Pose& X_BP,
-                                    ModelKind kind, const PayloadConstants& payload) {
+                                    ModelKind kind, const PayloadConstants& payload,
+                                    const StaticsOptions& options) {
   const Vector3 weight = X_BP.R_BP.transpose() * machine.gravity;
   if (payload.count == 0 || weight == payload.weight)
-    return static_equilibrium(machine, X_BP, kind);
+    return static_equilibrium(machine, X_BP, kind, options);
   auto hanging = machine;
   hanging.platform.mass_center +=
       payload.L.topRows<3>() * payload.at_rest(weight) / machine.platform.mass;
-  return static_equilibrium(hanging, X_BP, kind);
+  return static_equilibrium(hanging, X_BP, kind, options);
 }
 
 PayloadInMotion::PayloadInMotion(const PayloadConstants& payload, const Motion& motion,

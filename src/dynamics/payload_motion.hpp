@@ -34,7 +34,8 @@ struct PayloadConstants {
 /// Static equilibrium at `X_BP`. Away from the reference orientation the payload hangs otherwise, and
 /// its weight acts elsewhere.
 StaticEquilibrium rest_with_payload(const model::Machine& machine, const spatial::Pose& X_BP,
-                                    ModelKind kind, const PayloadConstants& payload);
+                                    ModelKind kind, const PayloadConstants& payload,
+                                    const StaticsOptions& options = {});
 
 /// All of this is set with `count` above 0 only, so that machines without do not pay for it.
 struct PayloadInMotion {

@@ -41,8 +41,11 @@ std::string compliance_text(const EnergyShares& energy) {
   const double oil = energy.oil.sum();
   const double guide = energy.guide_sleeve.sum();
   const double ring = energy.piston_ring.sum();
-  if (energy.payload_elastic > std::max({oil, guide, ring, energy.base_mount})) return "payload";
-  if (energy.base_mount > std::max({oil, guide, ring})) return "base mount";
+  const double bending = energy.bending.sum();
+  if (energy.payload_elastic > std::max({oil, guide, ring, bending, energy.base_mount}))
+    return "payload";
+  if (energy.base_mount > std::max({oil, guide, ring, bending})) return "base mount";
+  if (bending > std::max({oil, guide, ring})) return "bending of " + legs_involved(energy.bending);
   if (oil >= guide && oil >= ring) return "oil springs of " + legs_involved(energy.oil);
   if (guide >= ring) return "guide sleeves of " + legs_involved(energy.guide_sleeve);
   return "piston rings of " + legs_involved(energy.piston_ring);
@@ -148,7 +151,9 @@ std::string mode_label(const EnergyShares& energy, bool stable) {
     if (energy.payload > std::max(energy.base.sum(), energy.legs.sum()))
       return unstable + "local payload mode";
     const double ring = energy.piston_ring.sum(), guide = energy.guide_sleeve.sum();
-    if (energy.base_mount > ring + guide) return unstable + "local base mode";
+    const double bending = energy.bending.sum();
+    if (energy.base_mount > ring + guide + bending) return unstable + "local base mode";
+    if (bending > std::max(ring, guide)) return unstable + "local bending mode";
     return unstable + (ring > guide ? "local piston-ring mode" : "local seal mode");
   }
   return unstable + platform_directions(energy) + ", " + compliance_text(energy);

@@ -280,6 +280,10 @@ bool of_mechanics(const ParameterId& id) {
 
 bool of_mechanics(const Machine& machine, const ParameterId& id) {
   if (of_mechanics(id)) return true;
+  constexpr std::array<std::string_view, 5> of_beams{"legs.case.diameter", "legs.case.wall",
+                                                     "legs.rod.diameter", "legs.rod.wall",
+                                                     "legs.rod.youngs_modulus"};
+  if (has_elastic_legs(machine) && std::ranges::count(of_beams, row_of(id).path) > 0) return true;
   if (!has_chambers(machine)) return false;
   constexpr std::array<std::string_view, 5> of_chambers{
       "legs.valve.", "legs.leakage.", "legs.friction.", "legs.equivalent_cylinder.", "supply."};

@@ -116,6 +116,8 @@ Json answer_json(const modal::ModeTable& table) {
   if (entry.energy.base_mount != 0.0) json["strain_energy"]["base_mount"] = entry.energy.base_mount;
   if (entry.energy.payload_elastic != 0.0)
     json["strain_energy"]["payload"] = entry.energy.payload_elastic;
+  if (!entry.energy.bending.isZero(0.0))
+    json["strain_energy"]["bending"] = entry.energy.bending.sum();
   if (entry.rigid) {
     json["rigid_mode"] = entry.rigid->mode + 1;
     json["rigid_frequency_hz"] = table.rigid.modes[entry.rigid->mode].mode.omega / two_pi;

@@ -130,6 +130,7 @@ void describe(Fields& f, MeasuredMode& m) {
     energy("piston_ring", m.piston_rings);
     energy("base_mount", m.base);
     energy.unless(0.0, "payload", m.payload);
+    energy.unless(0.0, "bending", m.bending);
   });
   if constexpr (Fields::reads) m.omega_rigid = two_pi * rigid_hz.value_or(0.0);
 }
@@ -321,6 +322,7 @@ void describe_remedy(Fields& f, Remedy& r, RemedyGoal& goal) {
   f("present", r.today);
   f("required", r.needed);
   f("rigid_sleeves", r.limit);
+  f.optional("rigid_sleeves_without_bending", r.limit_without_bending);
   f("pose", r.pose);
   describe_resonance_direction(f, r.direction);
   f("curve", r.curve);

@@ -176,7 +176,9 @@ void describe(Fields& f, modal::EnergyShares& energy) {
     leg("oil", energy.oil);
     leg("guide_sleeve", energy.guide_sleeve);
     leg("piston_ring", energy.piston_ring);
+    leg.unless(spatial::Vector6(spatial::Vector6::Zero()), "bending", energy.bending);
   });
+  if (!energy.bending.isZero(0.0)) f.derived("bending", energy.bending.sum());
   f.unless(0.0, "base_mount", energy.base_mount);
   f.unless(0.0, "payload", energy.payload_elastic);
 }

@@ -87,6 +87,7 @@ Plant::Plant(const model::Machine& machine, ModelKind kind, const PlantOptions& 
   layout_ = make_layout(mechanics_, options, axes_);
   set_base(X_reference);
   set_arms();
+  if (model::has_elastic_legs(machine)) bend_arms(mechanics_, X_reference, sleeve_arms_.of);
   set_gimbals(X_reference);
   if (!options.hydraulics) set_springs(X_reference);
   set_oil_constants();

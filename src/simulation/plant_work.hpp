@@ -14,6 +14,10 @@ constexpr int most_states = 2 * dynamics::most_velocities + 1 +
                             2 * 2 * static_cast<int>(dynamics::arms_per_seal) * model::leg_count;
 using StateOnStack = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, most_states, 1>;
 
+/// Of guide sleeves in series with rods and cases that bend, at the reference pose.
+void bend_arms(const dynamics::NonlinearModel& mechanics, const Pose& X_reference,
+               std::array<dynamics::SealArms, model::leg_count>& arms);
+
 /// The hydraulics of all legs: constants.
 struct Plant::OilConstants {
   hydraulics::ServoAxisOf<Lanes> axis{};

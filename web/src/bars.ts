@@ -19,6 +19,7 @@ export const energyParts = (strain: {
   piston_ring: number;
   base_mount?: number;
   payload?: number;
+  bending?: number;
 }): Part[] => [
   { name: 'oil', long: 'oil', value: strain.oil, kind: 'oil' },
   { name: 'sleeves', long: 'guide sleeves', value: strain.guide_sleeve, kind: 'sleeve' },
@@ -28,6 +29,9 @@ export const energyParts = (strain: {
     : []),
   ...(strain.payload
     ? [{ name: 'payload', long: 'payload', value: strain.payload, kind: 'legs' }]
+    : []),
+  ...(strain.bending
+    ? [{ name: 'bending', long: 'bending of rods and cases', value: strain.bending, kind: 'legs' }]
     : []),
 ];
 

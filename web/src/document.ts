@@ -10,8 +10,10 @@ export interface Strain {
   piston_ring: number;
   base_mount?: number;
   payload?: number;
+  /** Of legs that bend. */
+  bending?: number;
   preload: number;
-  per_leg: { oil: number[]; guide_sleeve: number[]; piston_ring: number[] };
+  per_leg: { oil: number[]; guide_sleeve: number[]; piston_ring: number[]; bending?: number[] };
 }
 
 export interface Mode {
@@ -94,7 +96,7 @@ export interface Answer {
   mode: number;
   frequency_hz: number;
   directions: string;
-  strain_energy: { oil: number; guide_sleeve: number; piston_ring: number };
+  strain_energy: { oil: number; guide_sleeve: number; piston_ring: number; bending?: number };
   rigid_mode?: number;
   rigid_frequency_hz?: number;
   drop_percent?: number;
@@ -153,6 +155,7 @@ export interface PoseCheck {
     static_tilt_rad: number;
     sleeve_offset_m: number;
     guide_gap_m?: number;
+    bow_m?: number;
     retract_left_m?: number;
     extend_left_m?: number;
     cap_pressure_Pa?: number | null;
@@ -299,6 +302,7 @@ export interface DiagnosedMode {
     piston_ring: number;
     base_mount: number;
     payload?: number;
+    bending?: number;
   };
 }
 

@@ -33,6 +33,12 @@ GuideEquivalent guide_equivalent(const model::GuideSleeve& sleeve, const Vector2
 /// 1 − softening r/(1 + r), r = (A / softening_amplitude)^1.2.
 double softened(const model::Elastomer& elastomer, double amplitude);
 
+/// A seal k with arms, in series with what bends: springs and arms once more, since k(p) / (1 + f
+/// k(p)) falls from one real pole to the next. Returned are those arms that act on δ = d/(1 + f k)
+/// of the slow motion: beside k/(1 + f k) of d they give the exact stiffness. `k` of slow motions
+/// [N/m], `f` [m/N].
+SealArms arms_in_series(const SealArms& arms, double k, double f);
+
 /// Of something that follows the coordinates of leg `leg` with `per_x`: its rate per y.
 ModelVector per_coordinate(const LinearModel& model, int leg, const Vector7& per_x);
 

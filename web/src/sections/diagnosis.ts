@@ -28,6 +28,9 @@ const energy = (strain: DiagnosedMode['strain_energy']): Part[] => [
   ...(strain.payload
     ? [{ name: 'payload', long: 'payload', value: strain.payload, kind: 'legs' }]
     : []),
+  ...(strain.bending
+    ? [{ name: 'bending', long: 'bending of rods and cases', value: strain.bending, kind: 'legs' }]
+    : []),
 ];
 
 /** The mode of the page's first pose whose frequency is closest to the fitted one of `mode`. */
