@@ -4,6 +4,7 @@
 #include <array>
 #include <optional>
 
+#include "hydrapod/amplitude_report.hpp"
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/report/json.hpp"
@@ -183,7 +184,7 @@ void add_system_options(Command command, SystemArguments& arguments) {
         shown_as("KEY=from:to:count")},
        {"--pade", arguments.pade, "Order of the approximation of the delay, 0 (no delay) to 8",
         range(0, 8)},
-       {"--plot", arguments.plot, "Picture of the root locus, .svg, .png or .pdf (needs gnuplot)",
+       {"--plot", arguments.plot, "Picture of the root locus, or of --amplitude, .svg, .png or .pdf (needs gnuplot)",
         writes}});
 }
 
@@ -212,6 +213,7 @@ struct Arguments {
   MachineArguments machine{};
   std::vector<std::string> poses{};
   std::string all_poses{};
+  std::string amplitude{};
   std::string format{};
   std::string output{"-"};
   bool matrices{};
@@ -303,6 +305,28 @@ void run_at_poses(const Arguments& arguments, const tasks::Machine& machine,
                              : report::modes_at_poses_csv(modes));
 }
 
+void run_at_amplitudes(const Arguments& arguments, std::size_t format) {
+  const auto& system = arguments.system;
+  if (system.system || system.open_loop || !system.root_locus.empty())
+    base::refuse("--amplitude", "modes at amplitudes are those of the mechanics; leave --system out");
+  if (arguments.matrices) base::refuse("--matrices", "are those of small motions; leave --amplitude out");
+  const auto amplitudes = amplitudes_of(arguments.amplitude);
+  if (!system.plot.empty()) {
+    report::require_picture_ending(system.plot);
+    if (amplitudes.size() == 1)
+      base::refuse("--plot " + system.plot, "needs several amplitudes: --amplitude FROM:TO:COUNT");
+  }
+  const auto machine = load(arguments.machine);
+  const auto modes = tasks::modes_at_amplitudes(machine, amplitudes);
+  if (!system.plot.empty()) plot_amplitudes(machine, modes, system.plot);
+  write_output(arguments.output,
+               format == 0 ? amplitudes_text(machine, modes, table_style(arguments.output))
+               : format == 1
+                   ? json_text(head_of_model("modes_at_amplitudes", machine),
+                               report::modes_at_amplitudes_json(modes))
+                   : report::modes_at_amplitudes_csv(modes));
+}
+
 void run(const Arguments& given) {
   Arguments arguments = given;
   if (arguments.poses.size() == 1 && arguments.all_poses.empty())
@@ -311,14 +335,17 @@ void run(const Arguments& given) {
   const auto& system = arguments.system;
   const auto style = table_style(arguments.output);
   if (arguments.poses.size() > 1 || !arguments.all_poses.empty()) {
+    if (!arguments.amplitude.empty())
+      base::refuse("--amplitude", "modes at amplitudes are at one pose; give --pose once");
     const auto machine = load(arguments.machine);
     const auto poses = asked_poses(arguments, machine.file.machine);
     if (!system.plot.empty()) base::refuse("--plot " + system.plot, "needs --root-locus");
     return run_at_poses(arguments, machine, poses, format);
   }
+  if (!arguments.amplitude.empty()) return run_at_amplitudes(arguments, format);
   if (!system.plot.empty() && system.root_locus.empty())
     base::refuse("--plot " + system.plot,
-                 "needs --root-locus; `hydrapod report` shows moving modes");
+                 "needs --root-locus or --amplitude; `hydrapod report` shows moving modes");
   if (system.system || system.open_loop || !system.root_locus.empty()) {
     if (arguments.matrices)
       base::refuse("--matrices", "M, K and C are those of the mechanics; leave --system out");
@@ -352,6 +379,8 @@ void add_modes(Command app) {
        {"modes machine.toml --open-loop", "the same without the controller"},
        {"modes machine.toml --root-locus controller.gain=5:80:16 --plot locus.svg",
         "these poles as functions of the gain"},
+       {"modes machine.toml --amplitude \"0.01 mm:5 mm:9\" --plot amplitude.svg",
+        "frequencies over the amplitude: guide rings, elastomers, friction"},
        {"modes machine.toml --format json --matrices -o modes.json", "all results as JSON"}});
   auto& arguments = command.calls(&run);
   add_machine_options(command, arguments.machine);
@@ -360,7 +389,11 @@ void add_modes(Command app) {
         "Pose of the file, or displacements from the neutral pose: \"z=50 mm, ry=5 deg\"; several "
         "times: one table, modes followed by their shape; default: neutral",
         one_each},
-       {"--poses", arguments.all_poses, "all: every pose of the file"}});
+       {"--poses", arguments.all_poses, "all: every pose of the file"},
+       {"--amplitude", arguments.amplitude,
+        "Modes at these amplitudes of the platform's joints, by harmonic balance: \"1 mm\", or "
+        "FROM:TO:COUNT with equal ratios",
+        shown_as("FROM:TO:COUNT")}});
   add_model_option(command, arguments.machine);
   command.add_options(
       {{"--format", arguments.format,

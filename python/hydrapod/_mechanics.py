@@ -7,6 +7,7 @@ from typing import Any, List, NamedTuple, Optional, Tuple
 import numpy as np
 
 from . import _core
+from ._core import ModesAtAmplitudes
 from ._machine import Machine, Quantity
 from ._tasks import Texts, _core_of, _list
 
@@ -52,6 +53,20 @@ def forward_kinematics(machine: Machine, lengths: Any, *, start: Any = None) -> 
     starts, _ = _rows(start, "start")
     poses, _residuals = _core.forward_kinematics(_core_of(machine), rows, starts)
     return poses[0] if single else poses
+
+
+def modes_at_amplitudes(machine: Machine, amplitudes: Any) -> ModesAtAmplitudes:
+    """Modes at given amplitudes by harmonic balance: what guide rings, elastomers and friction make of them.
+
+    amplitudes: of the platform joint that moves most [m], above 0, ascending; a number or (k,). Result, m modes that
+    move the platform: frequency_hz, damping_ratio, sleeve_amplitude [m], each (m, k), NaN where a mode cannot be
+    followed; amplitudes (k,); numbers (m,) of the undamped modes, counted from 0; directions (m).
+    Raises ValueError for amplitudes that do not ascend. Source: docs/theory/amplitude.md.
+    """
+    values = np.atleast_1d(np.asarray(amplitudes, dtype=float))
+    if values.ndim != 1:
+        raise ValueError(f"amplitudes: expected a number or a list, got shape {values.shape}")
+    return _core.modes_at_amplitudes(_core_of(machine), values.tolist())
 
 
 class PoseQuality(NamedTuple):

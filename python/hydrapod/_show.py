@@ -74,6 +74,13 @@ def _at_poses(m: Any) -> Table:
     return f"{len(rows)} modes at {len(m.poses)} poses", [*(f"{pose} Hz" for pose in m.poses), "motion"], rows, ""
 
 
+def _at_amplitudes(m: Any) -> Table:
+    rows = [(str(number + 1), direction, *(f"{f:.3f}" if np.isfinite(f) else "–" for f in row))
+            for number, direction, row in zip(m.numbers, m.directions, m.frequency_hz)]
+    return (f"{len(rows)} modes at {len(m.amplitudes)} amplitudes",
+            ["mode", "motion", *(f"{1e3 * a:.4g} mm: Hz" for a in m.amplitudes)], rows, "")
+
+
 def _study(s: Any) -> Table:
     def cells(name: str) -> Tuple[str, ...]:
         values = s[name][np.isfinite(s[name])]
@@ -132,6 +139,7 @@ _tables: Dict[type, Callable[[Any], Table]] = {
     _core.Diagnosed: _diagnosed,
     _core.Compared: _compared,
     _core.ModesAtPoses: _at_poses,
+    _core.ModesAtAmplitudes: _at_amplitudes,
     _core.Study: _study,
     _core.Design: _design,
     _core.MachineStateSpace: _plain(lambda s: f"{len(s.states)} states, {len(s.inputs)} inputs, {len(s.outputs)} "

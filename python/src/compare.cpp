@@ -38,6 +38,26 @@ struct ModesAtPoses : Result {
   }
 };
 
+struct ModesAtAmplitudes : Result {
+  Machine machine{};
+  report::ModesAtAmplitudes found{};
+  [[nodiscard]] Json document() const override {
+    return joined(head_of_model("modes_at_amplitudes", *machine),
+                  report::modes_at_amplitudes_json(found));
+  }
+  /// Modes × amplitudes; not a number where a mode could not be followed.
+  template <class Get>
+  [[nodiscard]] py::array table(Get get) const {
+    std::vector<double> values;
+    for (const auto& curve : found.curves)
+      for (std::size_t k = 0; k < found.amplitudes.size(); ++k)
+        values.push_back(k < curve.points.size() && curve.points[k].converged ? get(curve.points[k])
+                                                                              : unknown);
+    return array_of(values, {static_cast<py::ssize_t>(found.curves.size()),
+                             static_cast<py::ssize_t>(found.amplitudes.size())});
+  }
+};
+
 struct Compared : Result {
   tasks::Compared found{};
   [[nodiscard]] Json document() const override {
@@ -53,6 +73,14 @@ std::shared_ptr<ModesAtPoses> modes_at_poses(const Machine& machine, const Names
     for (const auto& pose : poses) list.push_back(tasks::pose_of(machine->file.machine, pose));
     return tasks::modes_at_poses(*machine, list);
   });
+  return result;
+}
+
+std::shared_ptr<ModesAtAmplitudes> modes_at_amplitudes(const Machine& machine,
+                                                       const std::vector<double>& amplitudes) {
+  auto result = std::make_shared<ModesAtAmplitudes>();
+  result->machine = machine;
+  result->found = without_gil([&] { return tasks::modes_at_amplitudes(*machine, amplitudes); });
   return result;
 }
 
@@ -158,6 +186,42 @@ void add_compare(py::module_& module) {
         return labels;
       });
   module.def("modes_at_poses", &modes_at_poses, py::arg("machine"), py::arg("poses"));
+  py::class_<ModesAtAmplitudes, Result, std::shared_ptr<ModesAtAmplitudes>>(module,
+                                                                           "ModesAtAmplitudes")
+      .def_property_readonly("amplitudes",
+                             [](const ModesAtAmplitudes& m) {
+                               return array_of(m.found.amplitudes,
+                                               {static_cast<py::ssize_t>(m.found.amplitudes.size())});
+                             })
+      .def_property_readonly("numbers",
+                             [](const ModesAtAmplitudes& m) {
+                               std::vector<std::int64_t> numbers;
+                               for (const auto& curve : m.found.curves)
+                                 numbers.push_back(curve.mode);
+                               return array_of(numbers,
+                                               {static_cast<py::ssize_t>(numbers.size())});
+                             })
+      .def_property_readonly("directions",
+                             [](const ModesAtAmplitudes& m) {
+                               Names names;
+                               for (const auto& curve : m.found.curves)
+                                 names.emplace_back(spatial::direction_name(curve.direction));
+                               return names;
+                             })
+      .def_property_readonly("frequency_hz",
+                             [](const ModesAtAmplitudes& m) {
+                               return m.table(
+                                   [](const auto& point) { return point.omega / base::two_pi; });
+                             })
+      .def_property_readonly("damping_ratio",
+                             [](const ModesAtAmplitudes& m) {
+                               return m.table([](const auto& point) { return point.damping_ratio; });
+                             })
+      .def_property_readonly("sleeve_amplitude", [](const ModesAtAmplitudes& m) {
+        return m.table([](const auto& point) { return point.sleeve; });
+      });
+  module.def("modes_at_amplitudes", &modes_at_amplitudes, py::arg("machine"),
+             py::arg("amplitudes"));
   py::class_<Compared, Result, std::shared_ptr<Compared>>(module, "Compared")
       .def_property_readonly(
           "things", [](const Compared& c) { return of_things(c, &report::ComparedThing::name); })

@@ -47,6 +47,8 @@ tasks = {
                                     wrench="sine z=90 N, frequency=3 Hz")),
     "modes at poses": (["modes", "--pose", "neutral", "--pose", "z=2 mm", "--pose", "z=4 mm, ry=0.1 deg"],
                        lambda m: hydrapod.modes_at_poses(m, ["neutral", "z=2 mm", "z=4 mm, ry=0.1 deg"])),
+    "modes at amplitudes": (["modes", "--amplitude", "1 mm"],
+                            lambda m: hydrapod.modes_at_amplitudes(m, 1e-3)),
     "comparison": (["compare", "--set", "platform.mass=1234.5"],
                    lambda m: hydrapod.compare(m.path, overrides={"platform.mass": 1234.5})),
     "comparison of poses": (

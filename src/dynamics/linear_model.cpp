@@ -112,7 +112,8 @@ int degrees_of_freedom(const model::Machine& machine, ModelKind kind) {
   return degrees_of_freedom(kind) + static_cast<int>(base_directions(machine).size());
 }
 
-std::vector<std::string> coordinate_names(ModelKind kind, const std::vector<int>& base_directions) {
+std::vector<std::string> coordinate_names(ModelKind kind, const std::vector<int>& base_directions,
+                                          const std::vector<std::string>& payload) {
   std::vector<std::string> names(spatial::direction_names.begin(), spatial::direction_names.end());
   constexpr std::array<const char*, 4> flexible{"phi1", "phi2", "u1", "u2"};
   for (int leg = 1; leg <= model::leg_count; ++leg)
@@ -120,6 +121,7 @@ std::vector<std::string> coordinate_names(ModelKind kind, const std::vector<int>
       names.push_back(fmt::format("leg{}.{}", leg, flexible[k]));
   for (const int k : base_directions)
     names.push_back(fmt::format("base.{}", spatial::direction_name(k)));
+  for (const auto& name : payload) names.push_back("payload." + name);
   return names;
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "hydrapod/dynamics/linear_model.hpp"
 #include "statics_search.hpp"
 
 namespace hydrapod::dynamics {

@@ -52,6 +52,12 @@ std::optional<modal::ModeTable> modes_without_overrides(const Machine& machine) 
   return modal::mode_table(file.machine, pose_of(file.machine, machine.pose.name).X_BP, kind);
 }
 
+report::ModesAtAmplitudes modes_at_amplitudes(const Machine& machine,
+                                              const std::vector<double>& amplitudes) {
+  return {amplitudes, modal::modes_at_amplitudes(machine.file.machine, machine.pose.X_BP,
+                                                 machine.kind, amplitudes)};
+}
+
 report::Bode bode(const Machine& machine, const report::BodeOptions& options) {
   report::Bode result{.options = options, .table = modes(machine)};
   if (!result.options.p_PQ) result.options.p_PQ = machine.file.machine.platform.mass_center;

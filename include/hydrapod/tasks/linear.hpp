@@ -18,6 +18,7 @@
 
 #include "hydrapod/calibration/calibrate.hpp"
 #include "hydrapod/exchange/exchange.hpp"
+#include "hydrapod/report/amplitude_results.hpp"
 #include "hydrapod/report/model_results.hpp"
 #include "hydrapod/tasks/machine.hpp"
 
@@ -35,6 +36,11 @@ std::optional<modal::ModeTable> modes_without_overrides(const Machine& machine);
 /// (observation::pair_lists); the frequency may change by a factor of three.
 report::ModesAtPoses modes_at_poses(const Machine& machine,
                                     const std::vector<model::NamedPose>& poses);
+
+/// Modes at amplitudes [m] of the platform joint that moves most, by harmonic balance. Throws
+/// std::invalid_argument for amplitudes that are not above 0 or do not ascend.
+report::ModesAtAmplitudes modes_at_amplitudes(const Machine& machine,
+                                              const std::vector<double>& amplitudes);
 
 struct SystemOptions {
   bool closed{true};  ///< false: without the controller, the valves held
