@@ -41,17 +41,21 @@ const char* machine_word(const diagnosis::CaseFile& file) {
 }
 
 std::string modes_text(const diagnosis::Diagnosis& d, const TableStyle& style) {
-  Table table({"<pose", "<direction", "measured Hz", "rigid Hz", "drop", "nominal Hz", "fitted Hz",
-               "MAC", "<elastic energy"});
+  Table table({"<pose", "<direction", "measured Hz", "rigid Hz", "drop", "share", "peak",
+               "nominal Hz", "fitted Hz", "MAC", "<elastic energy"});
   for (const auto& m : d.modes) {
     const bool rigid = m.rigid_mac >= diagnosis::resonance_mac;
-    table.add_row({m.pose, direction_text(m),
-                   fmt::format("{:.3f} ± {:.3f}", m.omega / two_pi, m.deviation / two_pi),
-                   rigid ? hertz(m.omega_rigid) : "",
-                   rigid ? fmt::format("{:.1f} %", 100.0 * m.drop()) : "", hertz(m.omega_stated),
-                   hertz(m.omega_best), m.shape_mac > 0.0 ? fmt::format("{:.2f}", m.shape_mac) : "",
-                   report::energy_text(m.oil, m.guide_sleeves, m.piston_rings, m.base, m.payload,
-                                       m.bending)});
+    table.add_row(
+        {m.pose, direction_text(m),
+         fmt::format("{:.3f} ± {:.3f}", m.omega / two_pi, m.deviation / two_pi),
+         rigid ? hertz(m.omega_rigid) : "", rigid ? fmt::format("{:.1f} %", 100.0 * m.drop()) : "",
+         rigid ? fmt::format("{:.0f} %", 100.0 * m.rigid_mac) : "",
+         rigid ? fmt::format("{:.2f}", report::peak_height(m.rigid_mac, m.omega, m.omega_rigid))
+               : "",
+         hertz(m.omega_stated), hertz(m.omega_best),
+         m.shape_mac > 0.0 ? fmt::format("{:.2f}", m.shape_mac) : "",
+         report::energy_text(m.oil, m.guide_sleeves, m.piston_rings, m.base, m.payload,
+                               m.bending)});
   }
   return heading("Measured modes", style) + table.text(style);
 }
@@ -85,13 +89,19 @@ std::string ranking_text(const diagnosis::Diagnosis& d, std::size_t shown,
 std::string attribution_text(const diagnosis::CaseFile& file, const TableStyle& style) {
   if (file.drops.empty()) return {};
   const auto machine = machine_word(file);
-  std::vector<Column> columns{"<direction", "rigid Hz", fmt::format("{} Hz", machine), "drop"};
+  std::vector<Column> columns{"<direction", "rigid Hz", fmt::format("{} Hz", machine),
+                              "drop",       "share",    "peak"};
   for (const auto& part : file.drops.front().parts) columns.push_back(report::part_name(part.part));
   Table table(columns);
   for (const auto& drop : file.drops) {
     const auto& r = drop.resonance;
-    std::vector<std::string> row{r.direction, hertz(r.omega_rigid), hertz(r.omega),
-                                 fmt::format("{:.2f} %", 100.0 * r.drop())};
+    std::vector<std::string> row{
+        r.direction,
+        hertz(r.omega_rigid),
+        hertz(r.omega),
+        fmt::format("{:.2f} %", 100.0 * r.drop()),
+        fmt::format("{:.0f} %", 100.0 * r.mac),
+        fmt::format("{:.2f}", report::peak_height(r.mac, r.omega, r.omega_rigid))};
     constexpr double least = 5e-4;  // of a smaller drop shares mean nothing
     for (const auto& part : drop.parts)
       row.push_back(std::abs(r.drop()) < least ? "" : fmt::format("{:.0f} %", 100.0 * part.share));

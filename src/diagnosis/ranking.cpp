@@ -26,9 +26,19 @@ bool explains_anything(const Diagnosis& d, const Hypothesis& e) {
   return e.parameters >= std::max(1, d.values);
 }
 
-/// Root of the reduced misfit of the hypothesis that fits best for its number of parameters: of
-/// its modes or its responses, what is worse, so that many values of one kind, well met, do not
-/// hide that deviations of the other are too small.
+/// What is compared as mechanics says nothing about responses: it is taken to meet them as well as
+/// the one that meets them best.
+void add_unseen_responses(Diagnosis& d) {
+  if (d.targets.responses.empty()) return;
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto& e : d.hypotheses)
+    if (!e.fit.responses.empty()) least = std::min(least, e.response_misfit());
+  for (auto& e : d.hypotheses)
+    if (e.fit.responses.empty() && std::isfinite(least)) e.misfit = e.fit.misfit + least;
+}
+
+}  // namespace
+
 double least_scatter(const Diagnosis& d) {
   int lines = 0;
   for (const auto& response : d.targets.responses) lines += response.values;
@@ -42,19 +52,6 @@ double least_scatter(const Diagnosis& d) {
   }
   return std::sqrt(least);
 }
-
-/// What is compared as mechanics says nothing about responses: it is taken to meet them as well as
-/// the one that meets them best.
-void add_unseen_responses(Diagnosis& d) {
-  if (d.targets.responses.empty()) return;
-  double least = std::numeric_limits<double>::infinity();
-  for (const auto& e : d.hypotheses)
-    if (!e.fit.responses.empty()) least = std::min(least, e.response_misfit());
-  for (auto& e : d.hypotheses)
-    if (e.fit.responses.empty() && std::isfinite(least)) e.misfit = e.fit.misfit + least;
-}
-
-}  // namespace
 
 double hypothesis_penalty(std::size_t causes, std::size_t held) {
   const auto n = static_cast<double>(causes);
@@ -70,6 +67,24 @@ void rank(Diagnosis& d) {
             hypothesis_penalty(d.causes.size(), e.causes.size());
   std::ranges::stable_sort(d.hypotheses, {}, &Hypothesis::bic);
 }
+
+namespace {
+
+/// Is its misfit one that the deviations account for?
+bool explains(const Diagnosis& d, const Hypothesis& e) {
+  return goodness(d, e).probability >= least_probability;
+}
+
+/// Leaves of those that are alike the ones that explain the data, and better than a cause that is
+/// no candidate would.
+void drop_unexplained(Diagnosis& d) {
+  const double limit = unlisted_bic(d) - same;
+  std::erase_if(d.equivalent, [&](std::size_t k) {
+    return d.hypotheses[k].bic > limit || !explains(d, d.hypotheses[k]);
+  });
+}
+
+}  // namespace
 
 void judge(Diagnosis& d) {
   if (d.scatter > no_explanation) {
@@ -88,6 +103,7 @@ void judge(Diagnosis& d) {
     for (std::size_t k = 0; k < d.hypotheses.size(); ++k) {
       const auto& e = d.hypotheses[k];
       if (!e.causes.empty() || e.rigid != rigid || e.bic > limit) continue;
+      if (!explains(d, e)) continue;
       d.finding = rigid ? Finding::nothing_to_blame : Finding::nominal;
       d.equivalent = {k};
       return;
@@ -97,6 +113,11 @@ void judge(Diagnosis& d) {
   std::erase_if(d.equivalent, [&](std::size_t k) { return explains_anything(d, d.hypotheses[k]); });
   if (d.equivalent.empty()) {
     d.finding = Finding::cannot_tell;
+    return;
+  }
+  drop_unexplained(d);
+  if (d.equivalent.empty()) {
+    d.finding = Finding::unexplained;
     return;
   }
   std::erase_if(d.equivalent, [&](std::size_t k) {

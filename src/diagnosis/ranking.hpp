@@ -11,6 +11,11 @@ namespace hydrapod::diagnosis {
 /// 2 ln C(N, m) of a hypothesis that holds m of N causes.
 double hypothesis_penalty(std::size_t causes, std::size_t held);
 
+/// Root of the reduced misfit of the hypothesis that fits best for its number of parameters: of
+/// its modes or its responses, what is worse, so that many values of one kind, well met, do not
+/// hide that deviations of the other are too small. Infinite where all have as many as values.
+double least_scatter(const Diagnosis& d);
+
 /// Scatter, criteria, order.
 void rank(Diagnosis& d);
 

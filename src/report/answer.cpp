@@ -1,4 +1,5 @@
 #include "hydrapod/report/json.hpp"
+#include "hydrapod/report/model_results.hpp"
 
 #include <fmt/format.h>
 
@@ -30,20 +31,29 @@ int main_mode(const modal::ModeTable& table, int rigid) {
   return best;
 }
 
-constexpr double whole = 0.95;  // of a mode's motion; a larger share needs no word
+/// Of a mode beside that of its counterpart with rigid legs.
+double peak_height(const modal::TabledMode& entry) {
+  const double over_rigid = 1.0 + entry.rigid->shift;
+  return report::peak_height(entry.rigid->mac, over_rigid, 1.0);
+}
 
-/// How much of the rigid-leg mode's motion the lowered mode holds, and where the rest of it is.
+/// How much of the rigid-leg mode's motion the lowered mode holds, how high it stands, and where
+/// the rest of the motion is.
 std::string share_text(const modal::ModeTable& table, int k) {
-  const auto& of = *table.real.modes[k].rigid;
-  if (of.mac >= whole) return {};
-  std::string text = fmt::format(" This mode holds {} % of the motion of the mode with rigid legs",
-                                 percent_text(of.mac));
-  const int main = main_mode(table, of.mode);
+  const auto& entry = table.real.modes[k];
+  std::string text = fmt::format(
+      " This mode holds {} % of the motion of the mode with rigid legs, its peak is {:.2f} times "
+      "as "
+      "high at equal damping ratios",
+      percent_text(entry.rigid->mac), peak_height(entry));
+  const int main = main_mode(table, entry.rigid->mode);
   if (main == k) return text + ".";
   const auto& other = table.real.modes[main];
-  return text + fmt::format("; {} % of it is in the mode at {:.3f} Hz ({:+.1f} %).",
-                            percent_text(other.rigid->mac), other.mode.omega / two_pi,
-                            100.0 * other.rigid->shift);
+  return text + fmt::format(
+                    "; {} % of it is in the mode at {:.3f} Hz ({:+.1f} %), whose peak is "
+                    "{:.2f} times as high.",
+                    percent_text(other.rigid->mac), other.mode.omega / two_pi,
+                    100.0 * other.rigid->shift, peak_height(other));
 }
 
 /// The platform may rest in the mode in which the legs buckle.
@@ -123,10 +133,12 @@ Json answer_json(const modal::ModeTable& table) {
     json["rigid_frequency_hz"] = table.rigid.modes[entry.rigid->mode].mode.omega / two_pi;
     json["drop_percent"] = -100.0 * entry.rigid->shift;
     json["share_of_rigid_mode"] = entry.rigid->mac;
+    json["peak_height"] = peak_height(entry);
     const int main = main_mode(table, entry.rigid->mode);
     json["main_mode"] = main + 1;
     json["main_frequency_hz"] = table.real.modes[main].mode.omega / two_pi;
     json["main_share_of_rigid_mode"] = table.real.modes[main].rigid->mac;
+    json["main_peak_height"] = peak_height(table.real.modes[main]);
   }
   return json;
 }

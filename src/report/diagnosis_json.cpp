@@ -5,6 +5,7 @@
 
 #include "fitted_parameter.hpp"
 #include "hydrapod/base/units.hpp"
+#include "hydrapod/diagnosis/diagnose.hpp"
 #include "hydrapod/report/measured_results.hpp"
 
 namespace hydrapod::report {
@@ -124,6 +125,8 @@ void describe(Fields& f, MeasuredMode& m) {
   f("rigid_hz", rigid_hz);
   f("rigid_mac", m.rigid_mac);
   f.derived("drop", m.drop());
+  f.derived("peak_height",
+            m.omega_rigid > 0.0 ? report::peak_height(m.rigid_mac, m.omega, m.omega_rigid) : 0.0);
   f.object("strain_energy", [&](auto& energy) {
     energy("oil", m.oil);
     energy("guide_sleeve", m.guide_sleeves);
@@ -154,6 +157,7 @@ void describe(Fields& f, AttributedDrop& drop) {
   f.scaled("frequency_hz", r.omega, two_pi);
   f.derived("drop", r.drop());
   f("mac", r.mac);
+  f.derived("peak_height", report::peak_height(r.mac, r.omega, r.omega_rigid));
   f("parts", drop.parts);
 }
 
@@ -236,6 +240,12 @@ void describe_hypothesis(Fields& f, Hypothesis& e, std::size_t index, Diagnosis&
   f("by_mechanics", e.by_mechanics);
   f("misfit", e.misfit);
   f("response_misfit", responses);
+  if constexpr (!Fields::reads) {
+    const auto fit = goodness(d, e);
+    f.derived("frequency_misfit", fit.frequencies.sum);
+    f.derived("reduced_misfit", fit.reduced);
+    f.derived("probability", fit.probability);
+  }
   f("bic", e.bic);
   f.derived("bic_above_best", e.bic - d.best().bic);
   f("equally_good", equally_good);
@@ -264,6 +274,7 @@ void describe_lines(Fields& f, observation::ResponseTarget& response) {
   f("pose", response.pose);
   f.word("entry", response.entry, words_of<observation::Entry, 3>(observation::name));
   f("frequency_hz", hertz);
+  f.maybe("values", response.values);
   if constexpr (Fields::reads)
     for (const double frequency : hertz) response.s.emplace_back(0.0, two_pi * frequency);
 }
@@ -299,6 +310,7 @@ void describe_diagnosis(Fields& f, Diagnosis& d) {
                 [](auto& item, auto& response) { describe_lines(item, response); });
   f("measured_values", d.values);
   f("scatter", d.scatter);
+  if constexpr (!Fields::reads) f.derived("raw_reduced_misfit", raw_scatter2(d));
   f("interrupted", d.interrupted);
   f("measured_modes", d.modes);
   if constexpr (Fields::reads) {

@@ -32,6 +32,12 @@ std::string capital(std::string text) {
   return text;
 }
 
+/// Of a mode with rigid legs, how much of its motion a resonance holds and how high it stands.
+std::string weight_text(double mac, double omega, double omega_rigid) {
+  return fmt::format("{:.0f} % of the motion, peak {:.2f} times as high at equal damping ratios",
+                     100.0 * mac, report::peak_height(mac, omega, omega_rigid));
+}
+
 /// Lowest measured mode of every direction at a pose that holds a tenth of a rigid mode.
 void add_drops(const Diagnosis& d, std::vector<std::string>& words) {
   std::map<std::pair<std::string, int>, const MeasuredMode*> first;
@@ -61,10 +67,11 @@ void add_drops(const Diagnosis& d, std::vector<std::string>& words) {
   for (std::size_t k = 0; k < std::min(most, groups.size()); ++k) {
     const auto& [mode, names] = groups[k];
     words.push_back(fmt::format(
-        "At pose {} the {} {} measured at {} {} {} below the rigid-leg model ({}).", mode->pose,
+        "At pose {} the {} {} measured at {} {} {} below the rigid-leg model ({}; {}).", mode->pose,
         fmt::join(names, " and "), names.size() > 1 ? "resonances" : "resonance",
         frequency_text(mode->omega), names.size() > 1 ? "lie" : "lies", share_text(mode->drop()),
-        frequency_text(mode->omega_rigid)));
+        frequency_text(mode->omega_rigid),
+        weight_text(mode->rigid_mac, mode->omega, mode->omega_rigid)));
   }
   if (groups.empty() && !d.modes.empty())
     words.push_back("No measured resonance lies 1 % or more below the rigid-leg model.");
@@ -193,9 +200,10 @@ void add_attribution(const CaseFile& file, std::vector<std::string>& words) {
         parts.push_back(fmt::format("{} {}", part_name(part.part), share_text(part.share)));
     words.push_back(fmt::format(
         "Calculated at pose {} for the {} machine{}: the {} resonance is at {}, {} below "
-        "its rigid-leg model. Share of the frequency drop: {}.",
+        "its rigid-leg model ({}). Share of the frequency drop: {}.",
         file.pose, machine_word(file), alone_words(file), drop.resonance.direction,
         frequency_text(drop.resonance.omega), share_text(drop.resonance.drop()),
+        weight_text(drop.resonance.mac, drop.resonance.omega, drop.resonance.omega_rigid),
         parts.empty() ? "no part alone" : fmt::format("{}", fmt::join(parts, ", "))));
   }
   if (drops.empty() && !file.drops.empty())

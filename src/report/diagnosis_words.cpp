@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "hydrapod/base/units.hpp"
+#include "hydrapod/diagnosis/diagnose.hpp"
 
 namespace hydrapod::report {
 
@@ -261,6 +263,41 @@ const Hypothesis* fits_anything(const Diagnosis& d) {
   return found == d.hypotheses.end() ? nullptr : &*found;
 }
 
+namespace {
+
+std::string chi_squared_text(const char* of, const ChiSquared& kind) {
+  return fmt::format("{} χ² {:.3g} with {} degrees of freedom", of, kind.sum, kind.degrees);
+}
+
+/// Why the best hypothesis is none.
+std::string misfit_text(const Diagnosis& d) {
+  const auto name = hypothesis_name(d, d.best());
+  if (d.scatter > no_explanation)
+    return fmt::format(
+        "even the best hypothesis ({}) differs from the measured values by {:.{}f} σ", name,
+        d.scatter, d.scatter < 10.0 ? 1 : 0);
+  const auto g = goodness(d, d.best());
+  if (g.probability >= least_probability)
+    return fmt::format(
+        "even the best hypothesis ({}) explains the measured values no better than a change of "
+        "each "
+        "mode by an amount of its own would",
+        name);
+  const auto* worst = &g.frequencies;
+  const char* of = "frequencies";
+  if (g.shapes.probability() < worst->probability())
+    std::tie(worst, of) = std::tuple(&g.shapes, "shapes");
+  if (g.responses.probability() < worst->probability())
+    std::tie(worst, of) = std::tuple(&g.responses, "responses");
+  return fmt::format(
+      "even the best hypothesis ({}) misses the measured values by more than the uncertainties "
+      "allow "
+      "({}: probability {:.1g})",
+      name, chi_squared_text(of, *worst), g.probability);
+}
+
+}  // namespace
+
 std::vector<std::string> reason_words(const Diagnosis& d) {
   std::vector<std::string> words;
   for (const auto& objection : d.objections) words.push_back(objection_text(objection));
@@ -280,9 +317,7 @@ std::vector<std::string> reason_words(const Diagnosis& d) {
     words.push_back("one cause alone fits clearly worse; measure more modes, shapes or poses");
     return words;
   }
-  words.push_back(
-      fmt::format("even the best hypothesis ({}) differs from the measured values by {:.{}f} σ",
-                  hypothesis_name(d, d.best()), d.scatter, d.scatter < 10.0 ? 1 : 0));
+  words.push_back(misfit_text(d));
   for (const auto& wrong : d.best().wrong) {
     using Kind = Contradiction::Kind;
     const bool of_shape = wrong.kind == Kind::shape || wrong.kind == Kind::drives;

@@ -8,8 +8,12 @@
 
 #include "hydrapod/diagnosis/diagnose.hpp"
 #include "hydrapod/hydraulics/servo_axis.hpp"
+#include <cstdlib>
+#include <filesystem>
+#include "hydrapod/base/file.hpp"
 #include "hydrapod/model/machine_file.hpp"
 #include "hydrapod/report/measured_results.hpp"
+#include "support/binomial.hpp"
 #include "support/calibration_machine.hpp"
 #include "support/noisy_modes.hpp"
 #include "support/round_trip.hpp"
@@ -28,6 +32,7 @@ struct BlindCase {
   double noise{1e-3};  ///< of frequencies; that of shapes is 30 times as large, at most 5 %
   dynamics::ModelKind kind{dynamics::ModelKind::guide};  ///< of the machine with the fault
   int repetition{};
+  std::string size{};  ///< of what was planted, in words
 
   [[nodiscard]] std::string text() const {
     if (machine == "vibration table") return vibration_table;
@@ -63,6 +68,14 @@ inline observation::Targets by_noise(const BlindCase& test, const model::Machine
                      {.frequency = test.noise, .shape = std::min(0.05, 30.0 * test.noise)}, random);
 }
 
+inline void dump_tmp(const diagnosis::Diagnosis& d, const BlindCase& test, const std::string& what, const std::string& same_part, double change) {
+  const char* folder = std::getenv("DUMP_TMP");
+  if (folder == nullptr) return;
+  report::Json j = report::diagnosis_json({.diagnosis = d});
+  j["case"] = {{"machine", test.machine}, {"poses", test.poses}, {"noise", test.noise}, {"planted", test.planted}, {"what", what}, {"same_part", same_part}, {"change", change}, {"repetition", test.repetition}, {"unlisted", diagnosis::unlisted_bic(d)}};
+  base::write_file_whole(std::filesystem::path(folder) / fmt::format("{}.json", test.repetition), j.dump());
+}
+
 inline BlindResult run_blind(const BlindCase& test, const Measure& measure = by_noise) {
   auto overrides = test.design;
   const auto design = machine_file(test.text(), overrides);
@@ -72,6 +85,7 @@ inline BlindResult run_blind(const BlindCase& test, const Measure& measure = by_
   BlindResult result{
       diagnosis::diagnose(design, measured, dynamics::ModelKind::guide, design.machine.poses)};
   const auto& d = result.diagnosis;
+  dump_tmp(d, test, test.planted_name(), "", 0.0);
   if (test.planted.empty()) {
     result.found = d.finding == diagnosis::Finding::nothing_to_blame ||
                    d.finding == diagnosis::Finding::nominal;
@@ -116,5 +130,37 @@ inline std::string verdict(const diagnosis::Diagnosis& d) {
   }
   return text;
 }
+
+/// "alone": the planted fault is the one that is identified. Several that explain the data equally
+/// well are a tie, and no success, though the planted fault be among them.
+inline std::string outcome(const BlindCase& test, const BlindResult& result) {
+  if (!result.found) return "MISSED";
+  const auto count = result.diagnosis.equivalent.size();
+  if (test.planted.empty() || count == 1) return "alone";
+  return fmt::format("tie of {}{}", count, result.first ? ", first" : "");
+}
+
+/// What a series comes to.
+struct Tally {
+  int faults{}, alone{}, ties{}, sound{}, wrong{};
+  void add(const BlindCase& test, const BlindResult& result) {
+    if (test.planted.empty()) {
+      ++sound;
+      wrong += !result.found;
+      return;
+    }
+    ++faults;
+    const bool one = result.diagnosis.equivalent.size() == 1;
+    alone += result.found && one;
+    ties += result.found && !one;
+  }
+  [[nodiscard]] std::string text() const {
+    return fmt::format(
+        "\nidentified alone: {}\nin a tie with others: {}\nmissed: {}\n"
+        "a cause named in machines without fault: {}\n",
+        rate_text(alone, faults), rate_text(ties, faults), rate_text(faults - alone - ties, faults),
+        rate_text(wrong, sound));
+  }
+};
 
 }  // namespace hydrapod::test

@@ -9,6 +9,7 @@ using dynamics::ModelKind;
 
 struct Fault {
   std::vector<std::string> overrides, planted;
+  std::string size{};  ///< in words, beside what the file says
   ModelKind kind{ModelKind::guide};
 };
 
@@ -40,51 +41,76 @@ inline std::vector<Fault> faults_of(const model::MachineFile& file, const Sizes&
   const double reach = 0.25 * shift * std::sqrt(I.trace() / (3.0 * mass));
   const double K = 6.0 * k_h;
   const double height = m.neutral().p_BP.z();
+  const auto& center = m.platform.mass_center;
+  const std::array moments{set("platform.inertia.xx", 1.3 * I(0, 0)),
+                           set("platform.inertia.yy", 1.18 * I(1, 1)),
+                           set("platform.inertia.zz", 1.22 * I(2, 2))};
+  const std::string of_moments = "I × 1.3, 1.18, 1.22";
+  const auto times = [](const char* what, double factor) {
+    return fmt::format("{} × {:.3g}", what, factor);
+  };
+  const auto moved = [&](double x, double y, double z) {
+    return fmt::format("{:.3g}, {:.3g}, {:.3g} mm", 1e3 * x * reach, 1e3 * y * reach,
+                       1e3 * z * reach);
+  };
   std::vector<Fault> faults{
       {},
-      {{set("legs.guide_sleeve.stiffness", sleeve * k_s)}, {"guide sleeves of all legs"}},
-      {{set("leg.3.guide_sleeve.stiffness", sleeve * k_s)}, {"guide sleeve of leg 3"}},
+      {{set("legs.guide_sleeve.stiffness", sleeve * k_s)},
+       {"guide sleeves of all legs"},
+       times("k_s", sleeve)},
+      {{set("leg.3.guide_sleeve.stiffness", sleeve * k_s)},
+       {"guide sleeve of leg 3"},
+       times("k_s", sleeve)},
       {{set("legs.piston_ring.stiffness", rings * k_s)},
        {"piston rings of all legs"},
+       fmt::format("k_g = {:.3g} k_s", rings),
        ModelKind::full},
-      {{set("legs." + oil_path, 0.72 * oil)}, {oil_name}},
-      {{set("leg.2." + oil_path, 0.6 * oil)}, {"oil spring of leg 2"}},
-      {{set("legs.gimbal_stiffness", 3.1 * k_h)}, {"gimbals of all legs"}},
-      {{set("leg.5.gimbal_stiffness", 2.2 * k_h)}, {"gimbals of leg 5"}},
-      {{set("platform.mass", payload * mass)}, {"payload (platform mass)"}},
-      {{set("platform.inertia.xx", 1.3 * I(0, 0)), set("platform.inertia.yy", 1.18 * I(1, 1)),
-        set("platform.inertia.zz", 1.22 * I(2, 2))},
-       {"platform inertia"}},
-      {{set("platform.mass", payload * mass), set("platform.inertia.xx", 1.3 * I(0, 0)),
-        set("platform.inertia.yy", 1.18 * I(1, 1)), set("platform.inertia.zz", 1.22 * I(2, 2))},
-       {"platform mass and inertia"}},
-      {{set("platform.mass_center[0]", m.platform.mass_center.x() + 0.6 * reach),
-        set("platform.mass_center[1]", m.platform.mass_center.y() - 0.4 * reach),
-        set("platform.mass_center[2]", m.platform.mass_center.z() + 0.7 * reach)},
-       {"mass centre"}},
+      {{set("legs." + oil_path, 0.72 * oil)}, {oil_name}, times("oil", 0.72)},
+      {{set("leg.2." + oil_path, 0.6 * oil)}, {"oil spring of leg 2"}, times("oil", 0.6)},
+      {{set("legs.gimbal_stiffness", 3.1 * k_h)}, {"gimbals of all legs"}, "k_j = 3.1 k_h"},
+      {{set("leg.5.gimbal_stiffness", 2.2 * k_h)}, {"gimbals of leg 5"}, "k_j = 2.2 k_h"},
+      {{set("platform.mass", payload * mass)}, {"payload (platform mass)"}, times("mass", payload)},
+      {{moments[0], moments[1], moments[2]}, {"platform inertia"}, of_moments},
+      {{set("platform.mass", payload * mass), moments[0], moments[1], moments[2]},
+       {"platform mass and inertia"},
+       times("mass", payload) + ", " + of_moments},
+      {{set("platform.mass_center[0]", center.x() + 0.6 * reach),
+        set("platform.mass_center[1]", center.y() - 0.4 * reach),
+        set("platform.mass_center[2]", center.z() + 0.7 * reach)},
+       {"mass centre"},
+       moved(0.6, -0.4, 0.7)},
       {{set("base.mount.stiffness.x", 3.0 * K), set("base.mount.stiffness.y", 3.0 * K)},
-       {"lateral compliance of the base"}},
-      {{set("base.mount.stiffness.z", 4.0 * K)}, {"vertical compliance of the base"}},
+       {"lateral compliance of the base"},
+       "18 k_h"},
+      {{set("base.mount.stiffness.z", 4.0 * K)}, {"vertical compliance of the base"}, "24 k_h"},
       {{set("base.mount.stiffness.rx", 4.0 * K * height * height),
         set("base.mount.stiffness.ry", 4.0 * K * height * height)},
-       {"rocking compliance of the base"}},
+       {"rocking compliance of the base"},
+       "24 k_h height²"},
       {{set("legs.added_axial_inertia", leg.added_axial_inertia + 0.03 * mass)},
-       {"oil in the lines"}},
+       {"oil in the lines"},
+       fmt::format("+{:.3g} kg per leg", 0.03 * mass)},
       {{set("legs.guide_sleeve.stiffness", sleeve * k_s), set("legs." + oil_path, 0.7 * oil)},
-       {"guide sleeves of all legs", oil_name}},
+       {"guide sleeves of all legs", oil_name},
+       times("k_s", sleeve) + ", oil × 0.7"},
       {{set("leg.2." + oil_path, 0.55 * oil), set("leg.6." + oil_path, 0.6 * oil)},
-       {"oil spring of leg 2", "oil spring of leg 6"}},
+       {"oil spring of leg 2", "oil spring of leg 6"},
+       "oil × 0.55 and × 0.6"},
       {{set("legs.guide_sleeve.stiffness", sleeve * k_s), set("platform.mass", payload * mass)},
-       {"guide sleeves of all legs", "payload (platform mass)"}},
+       {"guide sleeves of all legs", "payload (platform mass)"},
+       times("k_s", sleeve) + ", " + times("mass", payload)},
       {{set("leg.4." + oil_path, 0.55 * oil),
-        set("platform.mass_center[0]", m.platform.mass_center.x() + 1.2 * reach)},
-       {"oil spring of leg 4", "mass centre"}},
+        set("platform.mass_center[0]", center.x() + 1.2 * reach)},
+       {"oil spring of leg 4", "mass centre"},
+       "oil × 0.55, " + moved(1.2, 0.0, 0.0)},
   };
   if (!cylinder) return faults;
-  faults.push_back({{"legs.oil_spring.cylinder.air.fraction=0.12"}, {"entrained air in all legs"}});
+  faults.push_back(
+      {{"legs.oil_spring.cylinder.air.fraction=0.12"}, {"entrained air in all legs"}, "12 %"});
   faults.push_back({{set("leg.1.oil_spring.cylinder.cap_line_volume",
                          8.0 * leg.oil_spring.cylinder->cap_line_volume)},
-                    {"cap-side chamber or line volume of leg 1"}});
+                    {"cap-side chamber or line volume of leg 1"},
+                    "line × 8"});
   return faults;
 }
 
@@ -112,7 +138,7 @@ inline std::vector<BlindCase> cases_of(const Setting& s, int first) {
   std::vector<BlindCase> cases;
   for (const auto& fault : faults_of(machine_file(basic.text(), s.design), s.sizes))
     cases.push_back({s.machine, s.design, fault.overrides, fault.planted, s.poses, s.noise,
-                     fault.kind, first + static_cast<int>(cases.size())});
+                     fault.kind, first + static_cast<int>(cases.size()), fault.size});
   return cases;
 }
 

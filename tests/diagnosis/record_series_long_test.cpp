@@ -6,6 +6,7 @@
 #include <iostream>
 
 #include "by_record.hpp"
+#include "hydrapod/diagnosis/diagnose.hpp"
 #include "planted_faults.hpp"
 
 namespace hydrapod::test {
@@ -56,11 +57,10 @@ class RecordSeries : public testing::TestWithParam<std::size_t> {};
 TEST_P(RecordSeries, FindsWhatWasPlanted) {
   const auto [setting, record, missed] = recorded()[GetParam()];
   const auto measure = by_record(record);
-  int cases = 0, found = 0, innocent = 0, wrong = 0;
-  std::cout << "| machine | poses | record | planted | verdict | ranked | s |\n"
-               "| --- | --- | --- | --- | --- | --- | --- |\n";
+  Tally tally;
+  std::cout << "| machine | poses | record | planted | size | verdict | result | raw χ²/ν |\n"
+               "| --- | --- | --- | --- | --- | --- | --- | ---: |\n";
   for (const auto& test : cases_of(setting, 1000 * static_cast<int>(GetParam() + 1))) {
-    ++cases;
     BlindResult result;
     try {
       result = run_blind(test, measure);
@@ -68,31 +68,22 @@ TEST_P(RecordSeries, FindsWhatWasPlanted) {
       ADD_FAILURE() << test.planted_name() << ": " << error.what();
       continue;
     }
-    found += result.found;
-    if (test.planted.empty()) {
-      ++innocent;
-      wrong += !result.found;
-    }
+    tally.add(test, result);
     const auto variation = variation_of(record, test.repetition);
     std::cout << fmt::format(
-                     "| {} | {} | {:g} s, {}, {}, sensors ×{:g} | {} | {} | {} | {:.2f} |\n",
+                     "| {} | {} | {:g} s, {}, {}, sensors ×{:g} | {} | {} | {} | {} | {:.2f} |\n",
                      test.machine, fmt::join(test.poses, ", "),
                      variation.duration > 0.0 ? variation.duration : record.duration,
                      variation.name,
                      record.force > 0.0 ? fmt::format("{:g} kN", 1e-3 * record.force)
                                         : fmt::format("{:g} mm", 1e3 * record.level),
-                     record.sensors, test.planted_name(), verdict(result.diagnosis),
-                     result.first   ? "first"
-                     : result.found ? "equal"
-                                    : "MISSED",
-                     result.diagnosis.scatter)
+                     record.sensors, test.planted_name(), test.size, verdict(result.diagnosis),
+                     outcome(test, result), diagnosis::raw_scatter2(result.diagnosis))
               << std::flush;
   }
-  std::cout << fmt::format(
-      "\n{} of {} found; a cause identified in {} of {} machines without fault\n", found, cases,
-      wrong, innocent);
-  EXPECT_GE(found, cases - missed);
-  EXPECT_EQ(wrong, 0);
+  std::cout << tally.text();
+  EXPECT_GE(tally.alone + tally.ties, tally.faults - missed);
+  EXPECT_EQ(tally.wrong, 0);
 }
 
 INSTANTIATE_TEST_SUITE_P(Settings, RecordSeries, testing::Range<std::size_t>(0, 6));

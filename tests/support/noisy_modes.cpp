@@ -29,27 +29,21 @@ struct Seen {
 
 /// Frequencies this close are one line in a stabilisation chart.
 constexpr double one_line = 3e-3;
-/// Share of the platform in the kinetic energy below which a mode drowns in its neighbours.
-constexpr double drowned = 2e-3;
 
-std::vector<Seen> seen_modes(const model::Machine& machine, const spatial::Pose& X_BP,
-                             dynamics::ModelKind kind) {
-  const auto model = dynamics::linear_model(machine, X_BP, kind);
-  const auto modes = modal::normal_modes(model);
-  const Eigen::MatrixXd weight = model.platform_mass.llt().matrixU();
-  if (!(modes.omega2.minCoeff() > 0.0)) throw std::runtime_error("the legs have buckled");
+std::vector<Seen> seen_modes(const PoseModes& all) {
+  const Eigen::MatrixXd weight = all.platform_mass.llt().matrixU();
+  const auto count = static_cast<int>(all.omega.size());
   std::vector<Seen> seen;
-  for (int first = 0, last = 0; first < modes.size(); first = last) {
-    while (last < modes.size() && modes.omega(last) <= modes.omega(first) * (1.0 + one_line))
-      ++last;
-    const Eigen::MatrixXd motions = weight * modes.shapes.block(0, first, 6, last - first);
+  for (int first = 0, last = 0; first < count; first = last) {
+    while (last < count && all.omega[last] <= all.omega[first] * (1.0 + one_line)) ++last;
+    const Eigen::MatrixXd motions = weight * all.motions.middleCols(first, last - first);
     const Eigen::JacobiSVD<Eigen::MatrixXd> svd(motions, Eigen::ComputeThinU | Eigen::ComputeThinV);
     for (Eigen::Index j = 0; j < svd.singularValues().size(); ++j) {
       const double strength = std::pow(svd.singularValues()[j], 2);
       if (strength < drowned) continue;
       double omega = 0.0;
       for (int k = first; k < last; ++k)
-        omega += modes.omega(k) * std::pow(svd.matrixV()(k - first, j), 2);
+        omega += all.omega[k] * std::pow(svd.matrixV()(k - first, j), 2);
       seen.push_back({omega, strength, weight.lu().solve(svd.matrixU().col(j))});
     }
   }
@@ -58,28 +52,39 @@ std::vector<Seen> seen_modes(const model::Machine& machine, const spatial::Pose&
 
 }  // namespace
 
-observation::Targets noisy_modes(const model::Machine& machine,
-                                 const std::vector<std::string>& poses, dynamics::ModelKind kind,
+PoseModes modes_at(const model::Machine& machine, const model::NamedPose& pose,
+                   dynamics::ModelKind kind) {
+  const auto model = dynamics::linear_model(machine, pose.X_BP, kind);
+  const auto modes = modal::normal_modes(model);
+  if (!(modes.omega2.minCoeff() > 0.0)) throw std::runtime_error("the legs have buckled");
+  PoseModes all{.pose = pose.name,
+                .X_BP = pose.X_BP,
+                .p_BC = model.p_BC,
+                .platform_mass = model.platform_mass,
+                .omega = Eigen::VectorXd(modes.size()),
+                .motions = modes.shapes.topRows(6)};
+  for (int k = 0; k < modes.size(); ++k) all.omega[k] = modes.omega(k);
+  return all;
+}
+
+observation::Targets noisy_modes(const std::vector<PoseModes>& poses, double damping,
                                  const ModeNoise& noise, Random& random) {
   observation::Targets targets{.title = "noisy modes"};
-  for (const auto& pose : machine.poses) {
-    if (std::find(poses.begin(), poses.end(), pose.name) == poses.end()) continue;
-    const auto model = dynamics::linear_model(machine, pose.X_BP, kind);
-    const Eigen::MatrixXd weight = model.platform_mass.llt().matrixU();
-    const double ratio = modal::modal_ratio(machine).value;
-    for (const auto& seen : seen_modes(machine, pose.X_BP, kind)) {
+  for (const auto& pose : poses) {
+    const Eigen::MatrixXd weight = pose.platform_mass.llt().matrixU();
+    for (const auto& seen : seen_modes(pose)) {
       Vector6 error;
       for (double& e : error) e = noise.shape / std::sqrt(6.0) * normal(random);
       Vector6 motion = seen.motion + Vector6(weight.lu().solve(error));
       // what the platform frame's origin does
-      motion.head<3>() += motion.tail<3>().cross(pose.X_BP.p_BP - model.p_BC);
+      motion.head<3>() += motion.tail<3>().cross(pose.X_BP.p_BP - pose.p_BC);
       observation::ModeTarget mode{
-          .name = fmt::format("{} {}", pose.name, targets.modes.size() + 1),
-          .pose = pose.name,
+          .name = fmt::format("{} {}", pose.pose, targets.modes.size() + 1),
+          .pose = pose.pose,
           .omega = seen.omega * (1.0 + noise.frequency * normal(random)),
           .deviation = noise.frequency * seen.omega,
-          .damping = ratio * (1.0 + noise.damping * normal(random)),
-          .damping_deviation = noise.damping * ratio,
+          .damping = damping * (1.0 + noise.damping * normal(random)),
+          .damping_deviation = noise.damping * damping,
           .shape = motion,
           .shape_deviation = noise.shape,
           .shape_point = spatial::Vector3::Zero()};
@@ -87,6 +92,16 @@ observation::Targets noisy_modes(const model::Machine& machine,
     }
   }
   return targets;
+}
+
+observation::Targets noisy_modes(const model::Machine& machine,
+                                 const std::vector<std::string>& poses, dynamics::ModelKind kind,
+                                 const ModeNoise& noise, Random& random) {
+  std::vector<PoseModes> all;
+  for (const auto& pose : machine.poses)
+    if (std::find(poses.begin(), poses.end(), pose.name) != poses.end())
+      all.push_back(modes_at(machine, pose, kind));
+  return noisy_modes(all, modal::modal_ratio(machine).value, noise, random);
 }
 
 namespace {

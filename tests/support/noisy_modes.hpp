@@ -15,7 +15,28 @@ struct ModeNoise {
   double shape{0.03};      ///< of a shape scaled to unit kinetic energy
 };
 
-/// Of the machine at its poses with these names; the motion of the platform frame's origin.
+/// Modes of a machine at a pose, whatever they come from, ascending.
+struct PoseModes {
+  std::string pose{};
+  spatial::Pose X_BP{};
+  spatial::Vector3 p_BC{};                             ///< the platform's mass centre in B [m]
+  spatial::Matrix6 platform_mass{};                    ///< about it
+  Eigen::VectorXd omega{};                             ///< [rad/s]
+  Eigen::Matrix<double, 6, Eigen::Dynamic> motions{};  ///< of it, of shapes with φᵀ M φ = 1
+};
+
+/// Share of the platform in the kinetic energy below which a mode drowns in its neighbours.
+inline constexpr double drowned = 2e-3;
+
+/// Undamped modes of the linear model. Throws std::runtime_error where the legs have buckled.
+PoseModes modes_at(const model::Machine& machine, const model::NamedPose& pose,
+                   dynamics::ModelKind kind);
+
+/// As they are measured: the motion of the platform frame's origin. `damping`: ratio of all modes.
+observation::Targets noisy_modes(const std::vector<PoseModes>& poses, double damping,
+                                 const ModeNoise& noise, Random& random);
+
+/// Of the machine at its poses with these names.
 observation::Targets noisy_modes(const model::Machine& machine,
                                  const std::vector<std::string>& poses, dynamics::ModelKind kind,
                                  const ModeNoise& noise, Random& random);

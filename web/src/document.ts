@@ -101,9 +101,11 @@ export interface Answer {
   rigid_frequency_hz?: number;
   drop_percent?: number;
   share_of_rigid_mode?: number;
+  peak_height?: number;
   main_mode?: number;
   main_frequency_hz?: number;
   main_share_of_rigid_mode?: number;
+  main_peak_height?: number;
 }
 
 export interface PoseReport {

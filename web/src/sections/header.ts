@@ -165,6 +165,12 @@ function answer(pose: PoseReport): Node[] {
   return nodes;
 }
 
+/** Of the mode with rigid legs, how much of its motion this mode holds and how high it stands. */
+const weight = ({ share_of_rigid_mode: part, peak_height: peak }: Answer): string =>
+  part === undefined || peak === undefined
+    ? ''
+    : `; ${share(part)} of the motion, peak ${fixed(peak, 2)} times as high`;
+
 function numbers(result: Answer): HTMLElement[] {
   const { rigid_frequency_hz: rigid, drop_percent: drop } = result;
   const items: HTMLElement[] = [];
@@ -187,7 +193,7 @@ function numbers(result: Answer): HTMLElement[] {
         drop >= 0 ? 'Drop' : 'Rise',
         fixed(Math.abs(drop), Math.abs(drop) < 10 ? 2 : 1),
         '%',
-        signedPercent(-drop) + ' relative to rigid legs',
+        signedPercent(-drop) + ' relative to rigid legs' + weight(result),
         'drop',
       ),
     );

@@ -1,0 +1,78 @@
+#include "hydrapod/diagnosis/diagnose.hpp"
+
+#include <algorithm>
+#include <boost/math/distributions/chi_squared.hpp>
+#include <cmath>
+#include <limits>
+
+#include "ranking.hpp"
+
+namespace hydrapod::diagnosis {
+
+double ChiSquared::probability() const {
+  if (degrees <= 0 || !(sum > 0.0)) return 1.0;
+  if (!std::isfinite(sum)) return 0.0;
+  return boost::math::cdf(boost::math::complement(boost::math::chi_squared(degrees), sum));
+}
+
+namespace {
+
+/// Of the hypothesis that meets the responses best: what ranking.cpp adds to those compared as
+/// mechanics.
+double unseen_responses(const Diagnosis& d) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto& e : d.hypotheses)
+    if (!e.fit.responses.empty()) least = std::min(least, e.response_misfit());
+  return std::isfinite(least) ? least : 0.0;
+}
+
+}  // namespace
+
+Goodness goodness(const Diagnosis& d, const Hypothesis& e) {
+  Goodness g;
+  for (const auto& target : e.fit.targets) g.frequencies.sum += std::pow(target.difference, 2);
+  for (const auto& response : d.targets.responses) g.responses.values += response.values;
+  g.frequencies.values = static_cast<int>(e.fit.targets.size());
+  g.shapes.values = std::max(0, d.values - g.frequencies.values - g.responses.values);
+  const bool seen = !e.fit.responses.empty();
+  g.responses.sum = seen ? e.response_misfit() : unseen_responses(d);
+  g.shapes.sum = std::max(0.0, e.misfit - g.frequencies.sum - g.responses.sum);
+  // numbers that the frequencies cannot determine alone are those of the shapes
+  const int of_frequencies = std::min(e.parameters, std::max(0, g.frequencies.values - 1));
+  g.frequencies.degrees = g.frequencies.values - of_frequencies;
+  g.shapes.degrees = std::max(0, g.shapes.values - (e.parameters - of_frequencies));
+  g.responses.degrees = seen ? g.responses.values : 0;
+  const int degrees = d.values - e.parameters;
+  g.reduced = degrees > 0 ? e.misfit / degrees : 0.0;
+  int kinds = 0;
+  g.probability = 1.0;
+  for (const auto* kind : {&g.frequencies, &g.shapes, &g.responses}) {
+    if (kind->degrees == 0) continue;
+    ++kinds;
+    g.probability = std::min(g.probability, kind->probability());
+  }
+  g.probability = std::min(1.0, kinds * g.probability);
+  return g;
+}
+
+double unlisted_bic(const Diagnosis& d) {
+  const auto g = goodness(d, d.nominal());
+  const double scale = d.scatter * d.scatter;
+  double bic = 0.0;
+  for (const auto* kind : {&g.frequencies, &g.shapes, &g.responses}) {
+    const double sum = kind->sum / scale;
+    const auto n = static_cast<double>(kind->values);
+    if (kind->values > 0 && sum > n)
+      bic += n * (1.0 + std::log(sum / n)) + std::log(static_cast<double>(d.values));
+    else
+      bic += sum;
+  }
+  return bic;
+}
+
+double raw_scatter2(const Diagnosis& d) {
+  const double least = least_scatter(d);
+  return std::isfinite(least) ? least * least : 0.0;
+}
+
+}  // namespace hydrapod::diagnosis

@@ -1,0 +1,43 @@
+#pragma once
+/// Machines whose modes are made by physics that the diagnosis does not assume: no candidate cause
+/// is the right answer.
+///
+/// Every case plants one effect in a machine of the blind series. Its size is a size that is usual
+/// for this effect times a factor between 0.4 and 2, drawn from the number of the case. The
+/// diagnosis gets the modes with the noise of the blind series.
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "diagnosis/blind_series.hpp"
+
+namespace hydrapod::test {
+
+struct UnlistedCase {
+  std::string physics{};  ///< what was planted, with its size
+  BlindCase basic{};  ///< machine, design, poses, noise; `fault` holds what a machine file states
+  /// Modes of the machine with `fault` at a pose; none: those of its linear model.
+  std::function<PoseModes(const model::Machine&, const model::NamedPose&)> modes{};
+  /// What is wrong with the measurement itself.
+  std::function<void(observation::Targets&)> misread{};
+  /// Part of the name of candidate causes that are this very part, whose law is another: whoever is
+  /// sent there finds what is wrong. Empty: there is none.
+  std::string same_part{};
+};
+
+struct UnlistedResult {
+  diagnosis::Diagnosis diagnosis{};
+  double change{};    ///< the largest relative change of a frequency
+  bool blamed{};      ///< a candidate cause is identified, or several are said to explain the data
+  bool identified{};  ///< one is identified
+  bool right_part{};  ///< all that is blamed is `same_part`
+  int modes{};
+};
+
+/// All cases of the series.
+std::vector<UnlistedCase> unlisted_cases();
+
+UnlistedResult run_unlisted(const UnlistedCase& test);
+
+}  // namespace hydrapod::test
