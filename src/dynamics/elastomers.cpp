@@ -8,7 +8,7 @@
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/units.hpp"
-#include "hydrapod/dynamics/equivalent.hpp"
+#include "hydrapod/dynamics/linear_model.hpp"
 #include "hydrapod/hydraulics/servo_axis.hpp"
 
 namespace hydrapod::dynamics {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "hydrapod/base/error.hpp"
-#include "hydrapod/dynamics/equivalent.hpp"
+#include "hydrapod/dynamics/linear_model.hpp"
 #include "hydrapod/hydraulics/servo_axis.hpp"
 
 namespace hydrapod::dynamics {

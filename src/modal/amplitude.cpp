@@ -1,10 +1,11 @@
-#include "hydrapod/modal/amplitude.hpp"
+#include "hydrapod/modal/damped_modes.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
-#include "hydrapod/dynamics/equivalent.hpp"
+#include "hydrapod/dynamics/linear_model.hpp"
+#include "hydrapod/hydraulics/servo_axis.hpp"
 #include "hydrapod/modal/normal_modes.hpp"
 
 namespace hydrapod::modal {
@@ -144,7 +145,7 @@ class Swinging {
     constexpr double least = 1e-12;
     if (friction.breakaway == 0.0) return;
     const auto equivalent =
-        dynamics::friction_equivalent(friction, std::max(amplitude, least), omega);
+        hydraulics::friction_equivalent(friction, std::max(amplitude, least), omega);
     model.K += equivalent.stiffness * rows_[k].piston * rows_[k].piston.transpose();
     model.C += equivalent.damping * rows_[k].piston * rows_[k].piston.transpose();
   }

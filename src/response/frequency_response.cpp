@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "elimination.hpp"
-#include "hydrapod/dynamics/equivalent.hpp"
+#include "hydrapod/dynamics/linear_model.hpp"
 
 namespace hydrapod::response {
 

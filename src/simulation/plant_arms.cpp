@@ -1,6 +1,6 @@
 /// The plant's seals that are elastomers: arms beside their springs (docs/theory/elastomers.md).
 
-#include "hydrapod/dynamics/equivalent.hpp"
+#include "hydrapod/dynamics/linear_model.hpp"
 #include "plant_work.hpp"
 
 namespace hydrapod::simulation {

@@ -10,7 +10,6 @@
 #include "dynamics/leg_beams.hpp"
 #include "exact/leg_potential.hpp"
 #include "exact/plane_beams.hpp"
-#include "hydrapod/dynamics/equivalent.hpp"
 #include "hydrapod/dynamics/linear_model.hpp"
 #include "hydrapod/dynamics/nonlinear.hpp"
 #include "hydrapod/dynamics/statics.hpp"

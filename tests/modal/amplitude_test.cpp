@@ -1,6 +1,5 @@
 /// Modes at amplitudes: limits in closed form. Against simulations: tests/simulation.
 
-#include "hydrapod/modal/amplitude.hpp"
 
 #include <gtest/gtest.h>
 

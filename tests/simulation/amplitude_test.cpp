@@ -1,6 +1,6 @@
 /// Modes at amplitudes (harmonic balance) against free swings of the nonlinear plant.
 
-#include "hydrapod/modal/amplitude.hpp"
+#include "hydrapod/modal/damped_modes.hpp"
 
 #include <gtest/gtest.h>
 

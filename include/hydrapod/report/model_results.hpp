@@ -17,7 +17,7 @@
 
 #include "hydrapod/dynamics/linear_model.hpp"
 #include "hydrapod/kinematics/legs.hpp"
-#include "hydrapod/modal/amplitude.hpp"
+#include "hydrapod/modal/damped_modes.hpp"
 #include "hydrapod/realtime/realtime.hpp"
 #include "hydrapod/report/json.hpp"
 #include "hydrapod/response/frequency_response.hpp"
