@@ -41,7 +41,7 @@ std::string attached_text(const tasks::Attached& attached, const TableStyle& sty
   for (const auto& mode : attached.payload.modes) {
     const spatial::Vector3& l = *mode.participation;
     const double size = l.norm();
-    table.add_row({mode.name, fmt::format("{:.3f}", mode.frequency / base::two_pi),
+    table.add_row({mode.name, fmt::format("{:.3f}", mode.frequency),
                    fmt::format("{:.2f} %", 100.0 * mode.damping_ratio),
                    fmt::format("{:.4g}", size * size),
                    size > 0.0 ? fmt::format("{:.3f}, {:.3f}, {:.3f}", l.x() / size, l.y() / size,

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "hydrapod/base/units.hpp"
 #include "hydrapod/diagnosis/diagnose.hpp"
 #include "hydrapod/dynamics/linear_model.hpp"
 #include "hydrapod/hydraulics/servo_axis.hpp"
@@ -263,14 +264,14 @@ void add_payload_modes(const model::MachineFile& file, std::vector<Cause>& all) 
   const auto rigid = modal::normal_modes(
       dynamics::linear_model(without_mount_and_gimbals(machine), machine.neutral(),
                              dynamics::ModelKind::rigid));
-  const double mass = machine.platform.mass, omega = rigid.omega(0);
+  const double mass = machine.platform.mass, lowest_hz = rigid.omega(0) / base::two_pi;
   for (const auto& [kind, directions] :
        {std::pair{Cause::Kind::payload_sways, std::vector{0, 1}},
         std::pair{Cause::Kind::payload_heaves, std::vector{2}}}) {
     Cause cause{kind};
     cause.free = {
         {.start = start * mass, .lower = least * mass, .upper = most * mass},
-        {.start = above * omega, .lower = lowest * omega, .upper = highest * omega}};
+        {.start = above * lowest_hz, .lower = lowest * lowest_hz, .upper = highest * lowest_hz}};
     for (std::size_t k = 0; k < directions.size(); ++k) {
       const auto path = [&](const std::string& key) {
         return fmt::format("payload_modes.mode_{}.{}", k + 1, key);
@@ -282,7 +283,7 @@ void add_payload_modes(const model::MachineFile& file, std::vector<Cause>& all) 
                                        i == directions[k] ? 1.0 : 0.0));
       }
       cause.changes.push_back(change(file, path("mass"), start * mass));
-      cause.changes.push_back(change(file, path("frequency"), above * omega));
+      cause.changes.push_back(change(file, path("frequency"), above * lowest_hz));
       cause.free[0].paths.push_back(path("mass"));
       cause.free[1].paths.push_back(path("frequency"));
     }

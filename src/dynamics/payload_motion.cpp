@@ -3,6 +3,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
+#include "payload.hpp"
+
 namespace hydrapod::dynamics {
 
 PayloadConstants::PayloadConstants(const model::Machine& machine, const Vector3& weight_at_rest)
@@ -13,8 +15,8 @@ PayloadConstants::PayloadConstants(const model::Machine& machine, const Vector3&
   for (int k = 0; k < count; ++k) {
     const auto& mode = machine.payload_modes[static_cast<std::size_t>(k)];
     L.col(k) = participation(mode, machine.platform.mass_center);
-    omega2[k] = mode.frequency * mode.frequency;
-    damping[k] = 2.0 * mode.damping_ratio * mode.frequency;
+    omega2[k] = omega_of(mode) * omega_of(mode);
+    damping[k] = 2.0 * mode.damping_ratio * omega_of(mode);
   }
 }
 

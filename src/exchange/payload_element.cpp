@@ -114,7 +114,8 @@ PayloadFromElement payload_modes(const PayloadElement& element,
       result.first_left_out = omega;
       break;
     }
-    model::PayloadMode mode{.frequency = omega, .damping_ratio = options.damping_ratio};
+    model::PayloadMode mode{.frequency = omega / base::two_pi,
+                             .damping_ratio = options.damping_ratio};
     if (element.C.size() > 0)
       mode.damping_ratio = phi.dot(element.C.bottomRightCorner(inner, inner) * phi) / (2.0 * omega);
     const Vector6 L_P = in_platform(L, options);

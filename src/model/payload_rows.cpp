@@ -32,8 +32,8 @@ constexpr ParameterRow payload_rows[]{
 # participation = [20.1, 0, 0]          # kg, for a modal mass of 1 kg
 # participation_moment = [0, 26.3, 0]   # kg m, about the origin of the platform frame
 )"),
-    of_mode<&PayloadMode::frequency>("payload_modes.*.frequency", "rad/s", required,
-                                     usual(1.0, 1e4, positive),
+    of_mode<&PayloadMode::frequency>("payload_modes.*.frequency", "Hz", required,
+                                     usual(0.1, 1e3, positive),
                                      "natural frequency with the platform's joints held"),
     of_mode<&PayloadMode::damping_ratio>("payload_modes.*.damping_ratio", "1", otherwise("0"),
                                          below_one, "of this mode, on top of `[damping]`"),

@@ -45,7 +45,7 @@ TEST(PayloadMode, StraightUpIsTheUpperOfTwoMassesOnSprings) {
   auto machine = symmetric_machine();
   const auto rigid = dynamics::linear_model(machine, machine.neutral(), ModelKind::rigid);
   const double k_z = rigid.K(2, 2), m_s = 137.3, k_s = 5.3e5, m_r = rigid.M(2, 2) - m_s;
-  PayloadMode mode{.name = "roof", .frequency = std::sqrt(k_s / m_s)};
+  PayloadMode mode{.name = "roof", .frequency = std::sqrt(k_s / m_s) / base::two_pi};
   mode.mass = m_s;
   mode.position = {0.0, 0.0, 0.71};
   mode.direction = {0.0, 0.0, 2.3};
@@ -245,7 +245,7 @@ TEST(PayloadMode, IsABodyOfMujocoThatSlidesOnASpring) {
       K.topLeftCorner(n, n) = legs.K;
       M(at, at) += M_b;
       for (int k = 0; k < 3; ++k) {
-        const double omega = machine.payload_modes[static_cast<std::size_t>(k)].frequency;
+        const double omega = omega_of(machine.payload_modes[static_cast<std::size_t>(k)]);
         K(n + k, n + k) += omega * omega;
       }
       MatrixXd weight = K_b;
@@ -294,8 +294,8 @@ TEST(PayloadMode, OnABaseThatMovesIsPartOfOneFreeBody) {
 
 TEST(PayloadMode, HasTheEnergyOfItsAbsoluteMotion) {
   auto machine = symmetric_machine();
-  PayloadMode mode{.name = "cabin", .frequency = 41.0};
-  mode.mass = 217.0;
+  PayloadMode mode{.name = "cabin", .frequency = 41.0 / base::two_pi};
+  mode.mass = 37.3;
   mode.position = {0.0, 0.0, 0.4};
   machine.payload_modes = {mode};
   for (const auto kind : all_kinds) {
@@ -318,7 +318,7 @@ TEST(PayloadMode, HasTheEnergyOfItsAbsoluteMotion) {
     leg.rod.mass = leg.rod.transverse_inertia = 0.0;
   }
   const auto light = dynamics::linear_model(machine, machine.neutral(), ModelKind::rigid);
-  EXPECT_NEAR(modal::energy_shares(light, all).front().payload, 217.0 / machine.platform.mass,
+  EXPECT_NEAR(modal::energy_shares(light, all).front().payload, 37.3 / machine.platform.mass,
               1e-12);
 }
 
@@ -326,8 +326,8 @@ TEST(PayloadMode, AddsItsDamperAndRayleighs) {
   auto machine = symmetric_machine();
   machine.damping.rayleigh_mass = 0.3;
   machine.damping.rayleigh_stiffness = 2e-5;
-  PayloadMode mode{.name = "cabin", .frequency = 41.0, .damping_ratio = 0.07};
-  mode.mass = 217.0;
+  PayloadMode mode{.name = "cabin", .frequency = 41.0 / base::two_pi, .damping_ratio = 0.07};
+  mode.mass = 37.3;
   machine.payload_modes = {mode};
   const auto model = dynamics::linear_model(machine, machine.neutral(), ModelKind::rigid);
   EXPECT_NEAR(model.C(6, 6), 2.0 * 0.07 * 41.0 + 0.3 + 2e-5 * 41.0 * 41.0, 1e-12);

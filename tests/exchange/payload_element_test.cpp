@@ -12,6 +12,7 @@
 #include <fstream>
 
 #include "hydrapod/base/error.hpp"
+#include "hydrapod/base/units.hpp"
 #include "hydrapod/modal/normal_modes.hpp"
 #include "hydrapod/tasks/linear.hpp"
 #include "support/beam_payload.hpp"
@@ -54,8 +55,8 @@ TEST(PayloadElement, OfAMastHasTheModesOfACantilever) {
   const double along_y = along_x * std::sqrt(mast.EI_y / mast.EI_x);
   const double mass = mast.mass_per_length * mast.length;
   // eight elements: the frequency is good to (element/wave)⁴
-  EXPECT_NEAR(payload.modes[0].frequency, along_y, 1e-5 * along_y);
-  EXPECT_NEAR(payload.modes[1].frequency, along_x, 1e-5 * along_x);
+  EXPECT_NEAR(base::two_pi * payload.modes[0].frequency, along_y, 1e-5 * along_y);
+  EXPECT_NEAR(base::two_pi * payload.modes[1].frequency, along_x, 1e-5 * along_x);
   const Vector3 l = *payload.modes[1].participation;
   EXPECT_NEAR(l.squaredNorm() / mass, 0.613076, 1e-5);
   EXPECT_NEAR(std::abs(l.x()), l.norm(), 1e-9 * l.norm());
@@ -181,7 +182,7 @@ TEST(PayloadElement, IsReadFromAPunchFileOfNastran) {
   EXPECT_LT((read.K - element.K).cwiseAbs().maxCoeff(), digits * element.K.cwiseAbs().maxCoeff());
   const auto payload = exchange::payload_modes(read, {});
   for (const auto& mode : payload.modes)
-    EXPECT_NEAR(mode.damping_ratio, 0.5e-4 * mode.frequency, 1e-9 * mode.frequency);
+    EXPECT_NEAR(mode.damping_ratio, 0.5e-4 * base::two_pi * mode.frequency, 1e-9);
   EXPECT_THROW(
       {
         try {

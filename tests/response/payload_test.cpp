@@ -90,8 +90,8 @@ TEST(PayloadResponse, IsThatOfTheRigidPayloadLessWhatSwings) {
       const Vector3 rho = X_BP.R_BP * (mode.position - machine.platform.mass_center);
       spatial::Vector6 d;
       d << -w * w * n, -w * w * rho.cross(n) + machine.gravity.cross(n);
-      const Complex own(mode.frequency * mode.frequency - w * w,
-                        2.0 * mode.damping_ratio * mode.frequency * w);
+      const Complex own(omega_of(mode) * omega_of(mode) - w * w,
+                        2.0 * mode.damping_ratio * omega_of(mode) * w);
       D -= (d * d.transpose()).cast<Complex>() / own;
     }
     const Matrix6c expected = D.inverse();

@@ -224,7 +224,7 @@ TEST(PayloadInMotion, RestsWhereItsWeightHoldsIt) {
     return X.R_BP.transpose() * machine.gravity;
   };
   EXPECT_NEAR(rest.x[plant.layout().positions - 2],
-              l.dot(g_P(X_BP) - g_P(machine.neutral())) / std::pow(mode.frequency, 2), 1e-12);
+              l.dot(g_P(X_BP) - g_P(machine.neutral())) / std::pow(omega_of(mode), 2), 1e-12);
 }
 
 /// Seals' ratio and Rayleigh's dampers reach the payload, too, and poles of the system know it.
@@ -232,7 +232,7 @@ TEST(PayloadInMotion, TakesPartInPolesOfTheSystem) {
   Random random(41);
   auto machine = machine_file(random_machine_text(random, true)).machine;
   machine.damping.modal_ratio = 0.013;
-  model::PayloadMode mode{.name = "lamp", .frequency = 33.0, .damping_ratio = 0.05};
+  model::PayloadMode mode{.name = "lamp", .frequency = 33.0 / base::two_pi, .damping_ratio = 0.05};
   mode.mass = 1e-6 * machine.platform.mass;  // feels the platform, which does not feel it
   machine.payload_modes = {mode};
   const auto system = simulation::linear_system(machine, machine.neutral(), {.closed = false});
