@@ -34,7 +34,7 @@ using spatial::Vector3;
 
 constexpr std::array all_kinds{ModelKind::rigid, ModelKind::guide, ModelKind::full};
 
-VectorXd omega_of(const model::Machine& machine, ModelKind kind) {
+VectorXd frequencies_of(const model::Machine& machine, ModelKind kind) {
   return modal::normal_modes(dynamics::linear_model(machine, machine.poses.back().X_BP, kind))
       .omega2.cwiseSqrt();
 }
@@ -51,7 +51,7 @@ TEST(PayloadMode, StraightUpIsTheUpperOfTwoMassesOnSprings) {
   mode.direction = {0.0, 0.0, 2.3};
   machine.payload_modes = {mode};
   const double b = m_r * k_s + m_s * (k_z + k_s), root = std::sqrt(b * b - 4.0 * m_r * m_s * k_z * k_s);
-  const auto found = omega_of(machine, ModelKind::rigid);
+  const auto found = frequencies_of(machine, ModelKind::rigid);
   ASSERT_EQ(found.size(), 7);
   for (const double sign : {-1.0, 1.0}) {
     const double expected = std::sqrt((b + sign * root) / (2.0 * m_r * m_s));
@@ -65,10 +65,10 @@ TEST(PayloadMode, ThatIsRigidChangesNothing) {
   for (const auto gravity : {Gravity::none, Gravity::down})
     for (const auto kind : all_kinds) {
       auto machine = random_machine(random, {.gravity = gravity});
-      const auto rigid = omega_of(machine, kind);
+      const auto rigid = frequencies_of(machine, kind);
       const double far = 1e6 * rigid[5];
       put_modes_on(machine, 3, random, far, 1.5 * far);
-      const auto found = omega_of(machine, kind);
+      const auto found = frequencies_of(machine, kind);
       ASSERT_EQ(found.size(), rigid.size() + 3);
       EXPECT_LT((found.head(6) - rigid.head(6)).cwiseQuotient(rigid.head(6)).cwiseAbs().maxCoeff(),
                 1e-9);
