@@ -30,16 +30,14 @@ std::string list_text(const Vector3& v) {
   return fmt::format("[{:.{}g}, {:.{}g}, {:.{}g}]", v.x(), digits, v.y(), digits, v.z(), digits);
 }
 
-void add_mode(const model::PayloadMode& mode, std::vector<FileEdit>& edits) {
-  const auto add = [&](const char* key, std::string value) {
-    edits.push_back({fmt::format("payload_modes.{}.{}", model::written_key(mode.name), key),
-                     std::move(value)});
-  };
-  add("frequency", fmt::format("{:.{}g}", mode.frequency, digits));
+/// As a table at the end of a file.
+std::string mode_text(const model::PayloadMode& mode) {
+  std::string text = fmt::format("\n[payload_modes.{}]\nfrequency = \"{:.{}g} Hz\"\n",
+                                 model::written_key(mode.name), mode.frequency, digits);
   if (mode.damping_ratio != 0.0)
-    add("damping_ratio", fmt::format("{:.{}g}", mode.damping_ratio, digits));
-  add("participation", list_text(*mode.participation));
-  add("participation_moment", list_text(mode.participation_moment));
+    text += fmt::format("damping_ratio = {:.{}g}\n", mode.damping_ratio, digits);
+  return text + fmt::format("participation = {}\nparticipation_moment = {}\n",
+                            list_text(*mode.participation), list_text(mode.participation_moment));
 }
 
 /// The platform with a structure of this mass matrix about `p_PI`, axes of P.
@@ -115,14 +113,17 @@ Attached attach_payload(const Machine& machine, const AttachOptions& options) {
     change_platform(file, platform, edits);
     file.machine.platform = platform;
   }
+  std::string tables;
   for (auto& mode : attached.payload.modes) {
     mode.name = model::next_payload_mode(file.machine,
                                          static_cast<int>(file.machine.payload_modes.size()));
     file.machine.payload_modes.push_back(mode);
-    add_mode(mode, edits);
+    tables += mode_text(mode);
   }
   require_sound(file, options);
   file.text = model::edited_file(file.text, edits, label);
+  if (!file.text.ends_with('\n')) file.text += '\n';
+  file.text += tables;
   file.overrides.clear();
   return attached;
 }
