@@ -93,6 +93,18 @@ void require_sound(const model::MachineFile& file, const AttachOptions& options)
                                options.add_mass ? "" : "; add the structure's mass with --add-mass"));
 }
 
+/// Tables cannot follow modes that a file gives between braces.
+void require_readable(const std::string& text) {
+  try {
+    model::parse_machine(text, "attached machine");
+  } catch (const base::InputError& error) {
+    base::refuse("payload_modes", fmt::format("tables with the modes cannot be added to this file "
+                                              "({}); expected its own modes as tables "
+                                              "[payload_modes.NAME]",
+                                              error.what()));
+  }
+}
+
 }  // namespace
 
 Attached attach_payload(const Machine& machine, const AttachOptions& options) {
@@ -124,6 +136,7 @@ Attached attach_payload(const Machine& machine, const AttachOptions& options) {
   file.text = model::edited_file(file.text, edits, label);
   if (!file.text.ends_with('\n')) file.text += '\n';
   file.text += tables;
+  require_readable(file.text);
   file.overrides.clear();
   return attached;
 }
