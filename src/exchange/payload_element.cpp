@@ -124,7 +124,7 @@ PayloadFromElement payload_modes(const PayloadElement& element,
     result.modes.push_back(mode);
   }
   if (result.modes.empty())
-    base::refuse(place, "has no mode that feels the platform: its inner coordinates have no mass in "
+    base::refuse(place, "has no mode that is coupled to the platform: its inner coordinates have no mass in "
                         "motions that the platform shares");
   return result;
 }

@@ -63,7 +63,7 @@ bool check_mode(Machine& machine, int index, ValueChecks& checks) {
   }
   if (sound && participation(mode).isZero(0.0)) {
     checks.add(front + ".participation",
-               "is zero, and so is `participation_moment`: such a mode does not feel the platform");
+               "is zero, and so is `participation_moment`: such a mode is not coupled to the platform");
     return false;
   }
   return sound;
