@@ -85,8 +85,7 @@ void add_payload_energies(const PayloadConstants& payload, const Motion& motion,
   const Vector3 offset_rate = Vector3(now.rates.head<3>()) + omega.cross(now.offset);
   energies.platform += velocity.dot(offset_rate) + omega.dot(now.rates.tail<3>()) +
                        0.5 * motion.payload_rate.squaredNorm();
-  energies.payload =
-      0.5 * motion.payload.dot(payload.omega2.cwiseProduct(motion.payload));
+  energies.payload = 0.5 * motion.payload.dot(payload.omega2.cwiseProduct(motion.payload));
   energies.gravity -= now.offset.dot(gravity - motion.X_BP.R_BP * payload.weight);
 }
 

@@ -87,10 +87,11 @@ void change_platform(const model::MachineFile& file, const model::Platform& plat
 void require_sound(const model::MachineFile& file, const AttachOptions& options) {
   for (const auto& finding : model::validate(file.machine))
     if (finding.severity == base::Severity::error)
-      base::refuse(options.stiffness,
-                   fmt::format("the machine with its modes is not sound: {}: {}{}", finding.key,
-                               finding.message,
-                               options.add_mass ? "" : "; add the structure's mass with --add-mass"));
+      base::refuse(
+          options.stiffness,
+          fmt::format("the machine with its modes is not sound: {}: {}{}", finding.key,
+                      finding.message,
+                      options.add_mass ? "" : "; add the structure's mass with --add-mass"));
 }
 
 /// Tables cannot follow modes that a file gives between braces.
@@ -112,10 +113,11 @@ Attached attach_payload(const Machine& machine, const AttachOptions& options) {
   auto& file = attached.file;
   const std::size_t there = file.machine.payload_modes.size();
   if (there + static_cast<std::size_t>(options.modes) > model::most_payload_modes)
-    base::refuse(fmt::format("--modes {}", options.modes),
-                 fmt::format("the machine file has {} modes of the payload, expected no more than {} "
-                             "with those that are attached",
-                             there, model::most_payload_modes));
+    base::refuse(
+        fmt::format("--modes {}", options.modes),
+        fmt::format("the machine file has {} modes of the payload, expected no more than {} "
+                    "with those that are attached",
+                    there, model::most_payload_modes));
   attached.payload = exchange::payload_modes(
       element_of(options),
       {.p_PI = options.p_PI, .modes = options.modes, .damping_ratio = options.damping_ratio});
@@ -127,8 +129,8 @@ Attached attach_payload(const Machine& machine, const AttachOptions& options) {
   }
   std::string tables;
   for (auto& mode : attached.payload.modes) {
-    mode.name = model::next_payload_mode(file.machine,
-                                         static_cast<int>(file.machine.payload_modes.size()));
+    mode.name =
+        model::next_payload_mode(file.machine, static_cast<int>(file.machine.payload_modes.size()));
     file.machine.payload_modes.push_back(mode);
     tables += mode_text(mode);
   }

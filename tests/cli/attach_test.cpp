@@ -56,8 +56,8 @@ TEST_F(Attach, SaysWhatDoesNotFit) {
   EXPECT_EQ(heavy.exit_code, 2);
   EXPECT_THAT(heavy.err, HasSubstr("--add-mass"));
   test::write_text(folder_ / "M.mtx", "%%MatrixMarket matrix array real symmetric\n2 2\n1\n");
-  const auto broken = run({"attach", "machine.toml", "--stiffness", "K.mtx", "--mass", "M.mtx",
-                           "-o", "mast.toml"});
+  const auto broken =
+      run({"attach", "machine.toml", "--stiffness", "K.mtx", "--mass", "M.mtx", "-o", "mast.toml"});
   EXPECT_EQ(broken.exit_code, 2);
   EXPECT_THAT(broken.err, HasSubstr("M.mtx:3"));
   const auto neither = run({"attach", "machine.toml", "-o", "mast.toml"});

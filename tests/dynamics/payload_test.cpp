@@ -50,7 +50,8 @@ TEST(PayloadMode, StraightUpIsTheUpperOfTwoMassesOnSprings) {
   mode.position = {0.0, 0.0, 0.71};
   mode.direction = {0.0, 0.0, 2.3};
   machine.payload_modes = {mode};
-  const double b = m_r * k_s + m_s * (k_z + k_s), root = std::sqrt(b * b - 4.0 * m_r * m_s * k_z * k_s);
+  const double b = m_r * k_s + m_s * (k_z + k_s),
+               root = std::sqrt(b * b - 4.0 * m_r * m_s * k_z * k_s);
   const auto found = frequencies_of(machine, ModelKind::rigid);
   ASSERT_EQ(found.size(), 7);
   for (const double sign : {-1.0, 1.0}) {
@@ -109,7 +110,9 @@ TEST(PayloadMode, LeavesTheMatricesOfTheRestAsTheyAre) {
 
 // ---- MuJoCo: a platform with bodies that slide on it ----------------------------------------
 
-std::string text(const Vector3& v) { return fmt::format("{:.17g} {:.17g} {:.17g}", v.x(), v.y(), v.z()); }
+std::string text(const Vector3& v) {
+  return fmt::format("{:.17g} {:.17g} {:.17g}", v.x(), v.y(), v.z());
+}
 
 /// Inertial of a body at `c` in a frame whose axes are those of P. MuJoCo's own diagonalisation of
 /// a full tensor stops early, so it gets the principal axes.
@@ -152,7 +155,8 @@ class SlidingBodies {
     const Eigen::Quaterniond q(X_BP.R_BP);
     const Vector3 C = X_BP * platform.mass_center;
     const std::string xml = fmt::format(
-        "<mujoco><compiler autolimits='true' boundmass='0' boundinertia='0' balanceinertia='false'/>"
+        "<mujoco><compiler autolimits='true' boundmass='0' boundinertia='0' "
+        "balanceinertia='false'/>"
         "<option gravity='{}'/><worldbody><body pos='{}' quat='{:.17g} {:.17g} {:.17g} {:.17g}'>"
         "<freejoint/>{}{}</body></worldbody></mujoco>",
         text(machine.gravity), text(C), q.w(), q.x(), q.y(), q.z(),
@@ -249,7 +253,8 @@ TEST(PayloadMode, IsABodyOfMujocoThatSlidesOnASpring) {
         K(n + k, n + k) += omega * omega;
       }
       MatrixXd weight = K_b;
-      weight.topLeftCorner<6, 6>().setZero();  // in hydrapod's K of the legs: a weight at C has none
+      weight.topLeftCorner<6, 6>()
+          .setZero();  // in hydrapod's K of the legs: a weight at C has none
       K(at, at) += weight;
       EXPECT_LT((found.M - M).cwiseAbs().maxCoeff(), 1e-11 * M.cwiseAbs().maxCoeff());
       EXPECT_LT(MatrixXd(found.K - K).rightCols(3).cwiseAbs().maxCoeff(),

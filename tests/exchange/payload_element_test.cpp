@@ -88,8 +88,8 @@ model::MachineFile machine() {
 TEST(PayloadElement, GivesTheMachineTheFrequenciesOfTheWholeStructure) {
   auto file = machine();
   const Vector3 p_PI(0.11, -0.07, 0.23);
-  const auto rigid = dynamics::linear_model(file.machine, file.machine.neutral(),
-                                            dynamics::ModelKind::rigid);
+  const auto rigid =
+      dynamics::linear_model(file.machine, file.machine.neutral(), dynamics::ModelKind::rigid);
   const auto all = physical();
   const auto n = all.K.rows() - 6;
   // the foot moves as the platform does
@@ -101,8 +101,8 @@ TEST(PayloadElement, GivesTheMachineTheFrequenciesOfTheWholeStructure) {
   K.topLeftCorner<6, 6>() += rigid.K;
   const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> whole(K, M);
 
-  const auto folder = std::filesystem::temp_directory_path() /
-                      fmt::format("hydrapod-mast-{}", ::getpid());
+  const auto folder =
+      std::filesystem::temp_directory_path() / fmt::format("hydrapod-mast-{}", ::getpid());
   std::filesystem::create_directories(folder);
   const auto write = [&](const char* name, const MatrixXd& A) {
     const auto path = (folder / name).string();
@@ -116,8 +116,8 @@ TEST(PayloadElement, GivesTheMachineTheFrequenciesOfTheWholeStructure) {
                                                         .add_mass = true});
   const auto read = model::parse_machine(attached.file.text, "attached.toml");
   ASSERT_EQ(read.machine.payload_modes.size(), 6U);
-  const auto modes = modal::normal_modes(dynamics::linear_model(
-      read.machine, read.machine.neutral(), dynamics::ModelKind::rigid));
+  const auto modes = modal::normal_modes(
+      dynamics::linear_model(read.machine, read.machine.neutral(), dynamics::ModelKind::rigid));
   for (int k = 0; k < 6; ++k) {
     const double expected = std::sqrt(whole.eigenvalues()[k]);
     // what is left out is rigid: (ω/ω_7)² of a few per cent of the mass
@@ -172,9 +172,9 @@ TEST(PayloadElement, IsReadFromAPunchFileOfNastran) {
   written.M = element.M;
   written.K = element.K;
   written.C = 1e-4 * element.K;
-  const auto path = (std::filesystem::temp_directory_path() /
-                     fmt::format("hydrapod-mast-{}.pch", ::getpid()))
-                        .string();
+  const auto path =
+      (std::filesystem::temp_directory_path() / fmt::format("hydrapod-mast-{}.pch", ::getpid()))
+          .string();
   std::ofstream(path) << exchange::dmig_punch(written, {"mast"});
   const auto read = exchange::read_dmig_punch(path, exchange::dmig_platform);
   constexpr double digits = 1e-10;

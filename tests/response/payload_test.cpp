@@ -71,8 +71,8 @@ TEST(PayloadResponse, IsTheSameByModesAndByTheWholeMatrix) {
   EXPECT_LT(worst(sum, dense), 1e-9);
 }
 
-/// The rigid machine loses d dᵀ/(ω_k² − ω² + 2iζω_kω) per mode, d = −ω² √m (n; ρ × n) + (0; g × √m n),
-/// n and ρ in base axes from C.
+/// The rigid machine loses d dᵀ/(ω_k² − ω² + 2iζω_kω) per mode, d = −ω² √m (n; ρ × n) + (0; g × √m
+/// n), n and ρ in base axes from C.
 TEST(PayloadResponse, IsThatOfTheRigidPayloadLessWhatSwings) {
   const auto machine = machine_with(true);
   auto rigid_payload = machine;

@@ -174,9 +174,9 @@ TEST(PayloadInMotion, MomentumFollowsTheForces) {
     return model.momentum(at);
   };
   constexpr double h = 1e-4;
-  const Vector6 change = (8.0 * (momentum_at(h) - momentum_at(-h)) -
-                          (momentum_at(2.0 * h) - momentum_at(-2.0 * h))) /
-                         (12.0 * h);
+  const Vector6 change =
+      (8.0 * (momentum_at(h) - momentum_at(-h)) - (momentum_at(2.0 * h) - momentum_at(-2.0 * h))) /
+      (12.0 * h);
   Vector6 expected = loads.wrench;
   expected.tail<3>() += motion.p_BC.cross(Vector3(loads.wrench.head<3>()));
   EXPECT_LT((change - expected).norm(), 1e-6 * expected.norm());
@@ -237,8 +237,8 @@ TEST(PayloadInMotion, TakesPartInPolesOfTheSystem) {
   machine.payload_modes = {mode};
   const auto system = simulation::linear_system(machine, machine.neutral(), {.closed = false});
   const auto poles = simulation::system_poles(system);
-  const auto lamp = std::max_element(
-      poles.poles.begin(), poles.poles.end(), [](const auto& a, const auto& b) {
+  const auto lamp =
+      std::max_element(poles.poles.begin(), poles.poles.end(), [](const auto& a, const auto& b) {
         const auto part = static_cast<std::size_t>(simulation::Part::payload);
         return a.parts[part] < b.parts[part];
       });

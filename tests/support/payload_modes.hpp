@@ -29,9 +29,8 @@ inline void put_modes_on(model::Machine& machine, int count, Random& random, dou
 /// The same mode by numbers instead of a mass.
 inline model::PayloadMode by_participation(const model::PayloadMode& mode) {
   const auto L = model::participation(mode);
-  model::PayloadMode same{.name = mode.name,
-                          .frequency = mode.frequency,
-                          .damping_ratio = mode.damping_ratio};
+  model::PayloadMode same{
+      .name = mode.name, .frequency = mode.frequency, .damping_ratio = mode.damping_ratio};
   same.participation = L.head<3>();
   same.participation_moment = L.tail<3>();
   return same;
