@@ -30,7 +30,8 @@ model::Machine machine_with(bool dampers, std::uint64_t seed = 4) {
   put_modes_on(machine, 3, random);
   for (auto& mode : machine.payload_modes) mode.damping_ratio = dampers ? 0.031 : 0.0;
   for (auto& leg : machine.legs) {
-    leg.oil_spring.damping = dampers ? 1e-3 * *leg.oil_spring.stiffness : 0.0;
+    leg.oil_spring = {.stiffness = 1.7e3 * machine.platform.mass,
+                      .damping = dampers ? 1.9 * machine.platform.mass : 0.0};
     leg.guide_sleeve.damping = leg.piston_ring->damping = dampers ? 711.0 : 0.0;
   }
   return machine;
