@@ -76,7 +76,7 @@ void add_attach(Command app) {
       "attach", "Put a flexible payload of a finite-element program on the platform",
       {{"attach machine.toml --stiffness cabin.K.mtx --mass cabin.M.mtx --add-mass -o cabin.toml",
         "a superelement in Matrix Market files, whose mass the file does not contain"},
-       {"attach machine.toml --punch cabin.pch --grid 1 --at \"0,0,0.3\" -o cabin.toml",
+       {"attach machine.toml --punch cabin.pch --at \"0,0,0.3\" -o cabin.toml",
         "a Nastran punch file, its interface 0.3 m above the joints"}});
   auto& arguments = command.calls(&run);
   add_machine_options(command, arguments.machine);
