@@ -212,8 +212,8 @@ std::string hypothesis_name(const Diagnosis& d, const Hypothesis& e) {
 std::string part_name(const Part& part) {
   constexpr std::array one{"guide sleeve", "piston ring", "gimbals", "", "", "rod and case"};
   constexpr std::array all{"guide sleeves of all legs", "piston rings of all legs",
-                           "gimbals of all legs",      "base mount",
-                           "modes of the payload",     "bending of rods and cases of all legs"};
+                           "gimbals of all legs",       "base mount",
+                           "modes of the payload",      "bending of rods and cases of all legs"};
   const auto what = static_cast<std::size_t>(part.what);
   return part.leg ? fmt::format("{} of leg {}", one.at(what), *part.leg + 1) : all.at(what);
 }
