@@ -140,15 +140,16 @@ TEST(LegBeams, GiveWayMoreUnderCompressionAndLessUnderTensionAsBeamElementsDo) {
       const auto elements = leg_of_beams(s, P, true, 40);
       const double f = elements.beams.compliance(elements.case_head, elements.rod_at_sleeve);
       EXPECT_NEAR(beams->compliance(s, P).f, f, tolerance * f) << s << " m, " << P << " N";
-      EXPECT_EQ(f > without * (1.0 + tolerance), P > 100.0);
+      EXPECT_EQ(beams->compliance(s, P).f > without, P > 0.0);
     }
   }
 }
 
 TEST(LegBeams, HaveTheSlopesOfTheirCompliance) {
-  // Differences of fourth order; steps of 2 mm leave some 1e-10 of f''.
+  // Differences of fourth order of what is nearly a polynomial of fourth degree.
   constexpr double h = 2e-3, tolerance = 1e-8;
   const auto beams = leg_beams(leg_of_tubes(8.4e5));
+  ASSERT_TRUE(beams);
   const auto slope = [&](auto part, double s) {
     return (8.0 * (part(s + h) - part(s - h)) - (part(s + 2.0 * h) - part(s - 2.0 * h))) /
            (12.0 * h);
@@ -158,8 +159,9 @@ TEST(LegBeams, HaveTheSlopesOfTheirCompliance) {
       const auto at = beams->compliance(s, P);
       const auto f = [&](double x) { return beams->compliance(x, P).f; };
       const auto f_s = [&](double x) { return beams->compliance(x, P).f_s; };
-      EXPECT_NEAR(at.f_s, slope(f, s), tolerance * std::abs(at.f_s)) << P << " " << s;
-      EXPECT_NEAR(at.f_ss, slope(f_s, s), tolerance * std::abs(at.f_ss)) << P << " " << s;
+      const double a = beams->L_g - s;  // f is of the order of its slopes times a and a²
+      EXPECT_NEAR(at.f_s, slope(f, s), tolerance * at.f / a) << P << " " << s;
+      EXPECT_NEAR(at.f_ss, slope(f_s, s), tolerance * at.f / (a * a)) << P << " " << s;
     }
 }
 
@@ -186,11 +188,14 @@ double tilt_error(double k_s, double s, bool with_bow) {
 TEST(LegBending, TiltsAtTheFrequencyOfBeamElements) {
   for (const double k_s : {8.4e5, 4e6, 2e7, 1e9})
     for (const double s : positions) {
-      const double error = tilt_error(k_s, s, true), without = tilt_error(k_s, s, false);
-      std::printf("k_s %.1e s %.3f: %+.5f, mass on the chord %+.5f\n", k_s, s, error, without);
-      EXPECT_GE(error, -1e-9);
-      EXPECT_LE(error, 0.02);
+      const double error = tilt_error(k_s, s, true);
+      EXPECT_GE(error, -1e-7) << k_s << " " << s;  // a Ritz model is stiffer than what it stands for
+      EXPECT_LE(error, 1.1e-3) << k_s << " " << s;
     }
+  // with the mass on the chords
+  EXPECT_LT(tilt_error(8.4e5, positions.front(), false), -0.09);
+  EXPECT_LT(tilt_error(1e9, positions.front(), false), -0.2);
+  EXPECT_GT(tilt_error(1e9, positions.back(), false), 0.1);
 }
 
 /// A machine of random legs that bend half as much as their seals give way, or as much. Seals are
