@@ -151,9 +151,8 @@ void bend_beams(const LegConstants& legs, bool spinning, LegsInMotion& at) {
 
   // d_s°° = h τ°° − 2 ṡ τ°,  τ°° = (e⊥°° − τ e_n°° − 2 τ° e_n°)/e_n
   const Lanes h = legs.L_g - at.s, per_q = 1.0 / at.e[2];
-  const Vector2L slope_rate =
-      per_q * Vector2L(at.e_bending[0] - slope[0] * at.e_bending[2],
-                       at.e_bending[1] - slope[1] * at.e_bending[2]);
+  const Vector2L slope_rate = per_q * Vector2L(at.e_bending[0] - slope[0] * at.e_bending[2],
+                                               at.e_bending[1] - slope[1] * at.e_bending[2]);
   Vector2L curvature;
   for (int k = 0; k < 2; ++k)
     curvature[k] = h * per_q *

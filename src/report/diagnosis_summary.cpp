@@ -92,7 +92,8 @@ void add_origins(const Diagnosis& d, std::vector<std::string>& words) {
     std::vector<std::string> modes;
     for (const auto& mode : d.modes) {
       const double share = mode.*origin.share;
-      const double most = std::max({mode.guide_sleeves, mode.piston_rings, mode.base, mode.bending});
+      const double most =
+          std::max({mode.guide_sleeves, mode.piston_rings, mode.base, mode.bending});
       if (share < main_part || share < most || mode.direction < 0) continue;
       const auto text =
           fmt::format("{} at {}", direction_name(mode.direction), frequency_text(mode.omega));

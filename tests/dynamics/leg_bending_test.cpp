@@ -20,14 +20,14 @@
 namespace hydrapod::test {
 namespace {
 
+using dynamics::leg_beams;
+using dynamics::leg_on_base;
 using dynamics::LegBeams;
 using dynamics::LegElement;
 using dynamics::LegState;
-using dynamics::leg_beams;
-using dynamics::leg_on_base;
-using dynamics::straight_leg;
 using dynamics::Matrix7;
 using dynamics::ModelKind;
+using dynamics::straight_leg;
 using dynamics::Vector7;
 using spatial::Vector3;
 using std::numbers::pi;
@@ -35,7 +35,7 @@ using std::numbers::pi;
 /// A tube, and where point masses sit on it.
 struct Tube {
   double diameter{}, wall{}, density{};
-  double length{};            ///< [m]
+  double length{};              ///< [m]
   double at_start{}, at_end{};  ///< [kg]
 
   [[nodiscard]] double inside() const { return diameter - 2.0 * wall; }
@@ -168,8 +168,7 @@ TEST(LegBeams, HaveTheSlopesOfTheirCompliance) {
 TEST(LegBeams, AreNoSofterThanAtTheShareOfEulersLoadThatCounts) {
   const auto beams = leg_beams(leg_of_tubes(8.4e5));
   const double euler = pi * pi * beams->EI_rod / (beams->l_mn * beams->l_mn);
-  EXPECT_EQ(beams->compliance(0.7, 5.0 * euler).f,
-            beams->compliance(0.7, 0.95001 * 1e3 * euler).f);
+  EXPECT_EQ(beams->compliance(0.7, 5.0 * euler).f, beams->compliance(0.7, 0.95001 * 1e3 * euler).f);
   EXPECT_GT(beams->compliance(0.7, 5.0 * euler).f, 0.0);
 }
 
@@ -189,7 +188,8 @@ TEST(LegBending, TiltsAtTheFrequencyOfBeamElements) {
   for (const double k_s : {8.4e5, 4e6, 2e7, 1e9})
     for (const double s : positions) {
       const double error = tilt_error(k_s, s, true);
-      EXPECT_GE(error, -1e-7) << k_s << " " << s;  // a Ritz model is stiffer than what it stands for
+      EXPECT_GE(error, -1e-7) << k_s << " "
+                              << s;  // a Ritz model is stiffer than what it stands for
       EXPECT_LE(error, 1.1e-3) << k_s << " " << s;
     }
   // with the mass on the chords
@@ -324,8 +324,8 @@ TEST(LegBending, SharesEnergyAndDampingAsSpringsInSeriesDo) {
 /// Of springs and arms in series with a spring, against the complex stiffness.
 TEST(LegBending, IsInSeriesWithTheArmsOfAnElastomer) {
   constexpr double k = 8.4e5;
-  const auto arms = dynamics::seal_arms(
-      k, {.dynamic_ratio = 2.3, .loss_factor = 0.21, .frequency = 71.0});
+  const auto arms =
+      dynamics::seal_arms(k, {.dynamic_ratio = 2.3, .loss_factor = 0.21, .frequency = 71.0});
   const auto stiffness = [](double slow, const dynamics::SealArms& of, double per_chord,
                             double omega) {
     const std::complex<double> p(0.0, omega);
@@ -385,8 +385,7 @@ struct AtRest {
   [[nodiscard]] dynamics::Loads loads(const dynamics::Motion& now) const {
     dynamics::Loads loads;
     for (std::size_t i = 0; i < model::leg_count; ++i)
-      loads.axial[static_cast<int>(i)] =
-          -rest.legs[i].oil_force - k_h[i] * (now.legs[i].s - s[i]);
+      loads.axial[static_cast<int>(i)] = -rest.legs[i].oil_force - k_h[i] * (now.legs[i].s - s[i]);
     return loads;
   }
   /// Generalised forces without motion.
@@ -517,7 +516,7 @@ TEST(BendingMachine, RestsAtOtherPosesToo) {
   const auto rest = mechanics.equilibrium(X);
   ASSERT_EQ(rest.status, dynamics::StaticsStatus::converged);
   Eigen::VectorXd y(mechanics.positions()), v = Eigen::VectorXd::Zero(mechanics.velocities()),
-                  rate(v.size());
+                                            rate(v.size());
   mechanics.configuration(X, rest.legs, y.data());
   dynamics::Loads loads;
   for (int k = 0; k < model::leg_count; ++k) loads.axial[k] = -rest.legs[k].oil_force;
