@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "hydrapod/report/amplitude_results.hpp"
+#include "hydrapod/report/model_results.hpp"
 #include "hydrapod/tasks/machine.hpp"
 #include "hydrapod/terminal.hpp"
 

@@ -172,6 +172,21 @@ std::string column_text(const report::PoseCheck& check) {
       1e-3 * check.legs[leg].largest_push);
 }
 
+/// Of the leg that bends most.
+std::string bending_text(const report::PoseCheck& check) {
+  int leg = -1;
+  for (int i = 0; i < model::leg_count; ++i)
+    if (const auto& bow = check.legs[i].bow; bow && (leg < 0 || *bow > *check.legs[leg].bow))
+      leg = i;
+  if (leg < 0) return {};
+  const auto& most = check.legs[leg];
+  return fmt::format(
+      "Bending of rods and cases: at the guide sleeve of leg {} {:.3f} mm beside the {:.3f} mm of "
+      "the seal ({:.4g} mm/kN; the compression of the rod makes it {:.2f} % more).\n",
+      leg + 1, 1e3 * *most.bow, 1e3 * most.sleeve_offset, 1e6 * *most.bending,
+      100.0 * (most.bow_growth.value_or(1.0) - 1.0));
+}
+
 std::string pose_text(const model::Machine& machine, const report::PoseCheck& check,
                       const TableStyle& style) {
   std::string text =
@@ -181,6 +196,7 @@ std::string pose_text(const model::Machine& machine, const report::PoseCheck& ch
       check.quality.condition, check.quality.characteristic_length, kinematics::singular_condition);
   text += buckling_text(machine, check);
   text += column_text(check);
+  text += bending_text(check);
   text += capability_text(check, style);
   for (const auto& warning : check.warnings)
     text += fmt::format("{} {}\n", styled("warning:", Style::yellow, style.colour),

@@ -29,6 +29,7 @@ void add_record(Command app);
 void add_serve(Command app);
 void add_demo(Command app);
 void add_export(Command app);
+void add_attach(Command app);
 void add_montecarlo(Command app);
 void add_sweep(Command app);
 void add_map(Command app);
@@ -41,6 +42,7 @@ inline constexpr std::array all_commands{
     &add_demo,        &add_init,      &add_check,   &add_modes,      &add_bode,   &add_simulate,
     &add_sensitivity, &add_calibrate, &add_rig,     &add_serve,      &add_record, &add_frf,
     &add_identify,    &add_diagnose,  &add_compare, &add_montecarlo, &add_sweep,  &add_map,
-    &add_design,      &add_evaluate,  &add_report,  &add_studio,     &add_export};
+    &add_design,      &add_evaluate,  &add_report,  &add_studio,     &add_export,
+    &add_attach};
 
 }  // namespace hydrapod::cli

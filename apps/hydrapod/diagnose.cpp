@@ -2,7 +2,6 @@
 
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/identification_arguments.hpp"
-#include "hydrapod/modal/peak_height.hpp"
 #include "hydrapod/report/measured_results.hpp"
 #include "hydrapod/report/model_results.hpp"
 #include "hydrapod/reports.hpp"
@@ -51,11 +50,12 @@ std::string modes_text(const diagnosis::Diagnosis& d, const TableStyle& style) {
          fmt::format("{:.3f} ± {:.3f}", m.omega / two_pi, m.deviation / two_pi),
          rigid ? hertz(m.omega_rigid) : "", rigid ? fmt::format("{:.1f} %", 100.0 * m.drop()) : "",
          rigid ? fmt::format("{:.0f} %", 100.0 * m.rigid_mac) : "",
-         rigid ? fmt::format("{:.2f}", modal::peak_height(m.rigid_mac, m.omega, m.omega_rigid))
+         rigid ? fmt::format("{:.2f}", report::peak_height(m.rigid_mac, m.omega, m.omega_rigid))
                : "",
          hertz(m.omega_stated), hertz(m.omega_best),
          m.shape_mac > 0.0 ? fmt::format("{:.2f}", m.shape_mac) : "",
-         report::energy_text(m.oil, m.guide_sleeves, m.piston_rings, m.base)});
+         report::energy_text(m.oil, m.guide_sleeves, m.piston_rings, m.base, m.payload,
+                               m.bending)});
   }
   return heading("Measured modes", style) + table.text(style);
 }
@@ -101,7 +101,7 @@ std::string attribution_text(const diagnosis::CaseFile& file, const TableStyle& 
         hertz(r.omega),
         fmt::format("{:.2f} %", 100.0 * r.drop()),
         fmt::format("{:.0f} %", 100.0 * r.mac),
-        fmt::format("{:.2f}", modal::peak_height(r.mac, r.omega, r.omega_rigid))};
+        fmt::format("{:.2f}", report::peak_height(r.mac, r.omega, r.omega_rigid))};
     constexpr double least = 5e-4;  // of a smaller drop shares mean nothing
     for (const auto& part : drop.parts)
       row.push_back(std::abs(r.drop()) < least ? "" : fmt::format("{:.0f} %", 100.0 * part.share));

@@ -27,6 +27,8 @@ std::string motion_text(const modal::EnergyShares& energy) {
           fmt::format("{} {} %, ", direction_names[d], report::percent_text(energy.platform[d]));
   if (energy.base.sum() >= 0.01)
     text += fmt::format("base {} %, ", report::percent_text(energy.base.sum()));
+  if (energy.payload >= 0.01)
+    text += fmt::format("payload {} %, ", report::percent_text(energy.payload));
   return text + fmt::format("legs {} %", report::percent_text(energy.legs.sum()));
 }
 
@@ -126,14 +128,19 @@ std::string heading(const tasks::Machine& subject, const TableStyle& style) {
                                             "guide-sleeve and piston-ring model"};
   const auto& machine = subject.file.machine;
   const int modes = dynamics::degrees_of_freedom(machine, subject.kind);
-  const int of_base = modes - dynamics::degrees_of_freedom(subject.kind);
+  const int of_payload = static_cast<int>(machine.payload_modes.size());
+  const int of_base = modes - dynamics::degrees_of_freedom(subject.kind) - of_payload;
+  const std::string payload =
+      of_payload > 0 ? fmt::format(" ({} {} of the payload)", of_payload,
+                                   of_payload == 1 ? "coordinate" : "coordinates")
+                     : "";
   const std::string base = of_base > 0 ? fmt::format(" ({} coordinates of the base)", of_base)
                            : machine.base_mount
                                ? " (the base has no inertia: its mount is in series with the legs)"
                                : "";
-  return fmt::format("{}, pose {}: {}, {} modes{}\n{}{}; {} axes; damping: {}\n",
+  return fmt::format("{}, pose {}: {}, {} modes{}{}\n{}{}; {} axes; damping: {}\n",
                      bold(machine.name, style), subject.pose.name,
-                     what[static_cast<size_t>(subject.kind)], modes, base, state_line(subject.file),
+                     what[static_cast<size_t>(subject.kind)], modes, base, payload, state_line(subject.file),
                      report::gravity_text(machine),
                      machine.flexible_axes == model::FlexibleAxes::gimbal ? "gimbal" : "transverse",
                      report::damping_text(machine));
@@ -169,7 +176,13 @@ std::string mode_csv(const modal::ModeTable& table) {
       "kinetic_x,kinetic_y,kinetic_z,kinetic_rx,kinetic_ry,kinetic_rz,kinetic_legs,"
       "elastic_oil,elastic_guide_sleeve,elastic_piston_ring,preload,"
       "rigid_mode,rigid_omega_rad_s,rigid_mac,rigid_shift_percent,kinetic_base,elastic_base_"
-      "mount\n";
+      "mount";
+  const bool payload = table.real.linear.payload_count() > 0;
+  const bool bends = std::ranges::any_of(table.real.modes, [](const modal::TabledMode& mode) {
+    return !mode.energy.bending.isZero(0.0);
+  });
+  if (payload) text += ",kinetic_payload,elastic_payload";
+  text += bends ? ",elastic_bending\n" : "\n";
   for (size_t k = 0; k < table.real.modes.size(); ++k) {
     const auto& entry = table.real.modes[k];
     const auto& energy = entry.energy;
@@ -186,7 +199,9 @@ std::string mode_csv(const modal::ModeTable& table) {
                           100.0 * entry.rigid->shift);
     else
       text += ",,,,";
-    text += fmt::format(",{:.17g},{:.17g}\n", energy.base.sum(), energy.base_mount);
+    text += fmt::format(",{:.17g},{:.17g}", energy.base.sum(), energy.base_mount);
+    if (payload) text += fmt::format(",{:.17g},{:.17g}", energy.payload, energy.payload_elastic);
+    text += bends ? fmt::format(",{:.17g}\n", energy.bending.sum()) : "\n";
   }
   return text;
 }

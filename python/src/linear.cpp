@@ -262,8 +262,9 @@ void add_modes(py::module_& module) {
       .def_property_readonly("shapes", [](const Model& m) { return shapes(*m.model); })
       .def_property_readonly("coordinates",
                              [](const Model& m) {
-                               return dynamics::coordinate_names(m.model->linear.kind,
-                                                                 m.model->linear.base_directions);
+                               const auto& linear = m.model->linear;
+                               return dynamics::coordinate_names(
+                                   linear.kind, linear.base_directions, linear.payload_names);
                              })
       .def_property_readonly("M",
                              [](const py::object& self) {

@@ -36,6 +36,12 @@ double signed_omega(double omega2) {
   return omega2 < 0.0 ? -std::sqrt(-omega2) : std::sqrt(omega2);
 }
 
+/// What is compared with a target: ω of the undamped mode, or with elastomers that of the damped one.
+double omega_of(const ModePoint& point, int mode) {
+  if (!point.damped_omega.empty()) return point.damped_omega[static_cast<std::size_t>(mode)];
+  return signed_omega(point.modes.omega2[mode]);
+}
+
 /// (ω − ω_t) / deviation
 class FrequencyResidual : public ResidualKind {
  public:
@@ -44,11 +50,14 @@ class FrequencyResidual : public ResidualKind {
                 Eigen::MatrixXd* J) const override {
     const auto& [point, mode, group] = found(problem, state, target_);
     const auto& target = problem.targets().modes[target_];
-    const double omega = signed_omega(point.modes.omega2[mode]);
+    const double undamped = signed_omega(point.modes.omega2[mode]);
+    const double omega = omega_of(point, mode);
     r[0] = (omega - target.omega) / target.deviation;
     if (J == nullptr) return;
     const double least = 1e-6 * target.omega;  // at buckling the derivative has a pole
-    *J = point.domega2.row(mode) / (2.0 * std::max(std::abs(omega), least) * target.deviation);
+    *J = point.domega2.row(mode) / (2.0 * std::max(std::abs(undamped), least) * target.deviation);
+    // The damped frequency of elastomers follows the undamped one nearly in proportion.
+    if (!point.damped_omega.empty() && std::abs(undamped) > least) *J *= omega / undamped;
   }
 
  private:
@@ -72,7 +81,10 @@ class DampingResidual : public ResidualKind {
     const double viscous =
         (phi.dot(C_phi) + modal::relaxed_damping(arms, phi, omega)) / (2.0 * omega);
     const double ratio = modal::modal_ratio(state.machine).value;
-    r[0] = (viscous + ratio - *target.damping) / target.damping_deviation;
+    const double now = point.damped_ratio.empty()
+                             ? viscous + ratio
+                             : point.damped_ratio[static_cast<std::size_t>(mode)];
+    r[0] = (now - *target.damping) / target.damping_deviation;
     if (J == nullptr) return;
     dynamics::ModelVector force = C_phi;
     for (const auto& arm : arms) force += damper_at(arm, omega) * arm.s_y.dot(phi) * arm.s_y;

@@ -9,6 +9,7 @@
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/dynamics/linear_model.hpp"
+#include "hydrapod/modal/damped_modes.hpp"
 #include "hydrapod/modal/normal_modes.hpp"
 
 namespace hydrapod::calibration {
@@ -43,6 +44,26 @@ void leave_out_what_does_nothing(Sensitivities& all) {
   all.parameters = std::move(parameters);
 }
 
+/// ω and ζ of the damped modes that the undamped ones are.
+void add_damped(const Machine& machine, ModePoint& point) {
+  const auto damped =
+      modal::damped_modes(point.model, point.modes, modal::modal_ratio(machine).value);
+  const dynamics::ModelMatrix momenta = point.model.M * point.modes.shapes;
+  for (int k = 0; k < point.modes.size(); ++k) {
+    double most = -1.0;
+    std::size_t best = 0;
+    for (std::size_t j = 0; j < damped.size(); ++j) {
+      const double alike = std::hypot(momenta.col(k).dot(damped[j].real),
+                                      momenta.col(k).dot(damped[j].imaginary));
+      if (alike <= most) continue;
+      most = alike;
+      best = j;
+    }
+    point.damped_omega.push_back(damped[best].omega);
+    point.damped_ratio.push_back(damped[best].damping_ratio);
+  }
+}
+
 }  // namespace
 
 std::vector<double> VariedMachine::values() const {
@@ -70,6 +91,8 @@ ModePoint mode_point(const Machine& machine, std::size_t pose, dynamics::ModelKi
   point.modes = modal::normal_modes(point.model);
   if (!point.modes.omega2.allFinite())
     throw base::ComputationError("the modes are not finite with these values");
+  if (model::has_elastomers(machine) && kind != dynamics::ModelKind::rigid)
+    add_damped(machine, point);
   return point;
 }
 

@@ -17,6 +17,9 @@ std::vector<Compliance> compliances(const model::Machine& machine, dynamics::Mod
                           [](const auto& leg) { return leg.gimbal_stiffness.has_value(); }))
     all.push_back(Compliance::gimbals);
   if (machine.base_mount) all.push_back(Compliance::base_mount);
+  if (!machine.payload_modes.empty()) all.push_back(Compliance::payload);
+  if (kind != dynamics::ModelKind::rigid && model::has_elastic_legs(machine))
+    all.push_back(Compliance::bending);
   return all;
 }
 
@@ -25,7 +28,7 @@ std::vector<Part> parts_of(const model::Machine& machine, dynamics::ModelKind ki
   std::vector<Part> parts;
   for (const auto what : all) parts.push_back({what, {}});
   for (const auto what : all) {
-    if (what == Compliance::base_mount) continue;
+    if (what == Compliance::base_mount || what == Compliance::payload) continue;
     for (int leg = 0; leg < model::leg_count; ++leg) parts.push_back({what, leg});
   }
   return parts;
@@ -33,6 +36,7 @@ std::vector<Part> parts_of(const model::Machine& machine, dynamics::ModelKind ki
 
 model::Machine stiffened(model::Machine machine, const Part& part) {
   if (part.what == Compliance::base_mount) machine.base_mount.reset();
+  if (part.what == Compliance::payload) machine.payload_modes.clear();
   for (int i = 0; i < model::leg_count; ++i) {
     if (part.leg && *part.leg != i) continue;
     auto& leg = machine.legs[static_cast<std::size_t>(i)];
@@ -40,6 +44,7 @@ model::Machine stiffened(model::Machine machine, const Part& part) {
     if (part.what == Compliance::piston_ring && leg.piston_ring)
       leg.piston_ring->stiffness *= rigid;
     if (part.what == Compliance::gimbals) leg.gimbal_stiffness.reset();
+    if (part.what == Compliance::bending) leg.bending = model::LegBending::rigid;
   }
   return machine;
 }

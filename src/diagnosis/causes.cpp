@@ -8,6 +8,8 @@
 #include "hydrapod/dynamics/linear_model.hpp"
 #include "hydrapod/hydraulics/servo_axis.hpp"
 #include "hydrapod/kinematics/legs.hpp"
+#include "hydrapod/modal/normal_modes.hpp"
+#include "hydrapod/model/section.hpp"
 
 namespace hydrapod::diagnosis {
 
@@ -242,6 +244,52 @@ void add_leakage(const model::MachineFile& file, std::vector<Cause>& all) {
   }
 }
 
+/// A payload that the file has as rigid: a part of its mass swings at the mass centre. Stated modes:
+/// at other frequencies.
+void add_payload_modes(const model::MachineFile& file, std::vector<Cause>& all) {
+  constexpr double factor = 4.0;
+  const auto& machine = file.machine;
+  if (!machine.payload_modes.empty()) {
+    Cause cause{Cause::Kind::payload_modes};
+    for (const auto& mode : machine.payload_modes)
+      cause.free.push_back(within(
+          fmt::format("payload_modes.{}.frequency", model::written_key(mode.name)), mode.frequency,
+          factor));
+    all.push_back(cause);
+    return;
+  }
+  constexpr double start = 0.2, least = 0.01, most = 0.9;  // of the platform's mass
+  constexpr double above = 2.0, lowest = 0.4, highest = 40.0;  // of the lowest rigid frequency
+  const auto rigid = modal::normal_modes(
+      dynamics::linear_model(without_mount_and_gimbals(machine), machine.neutral(),
+                             dynamics::ModelKind::rigid));
+  const double mass = machine.platform.mass, omega = rigid.omega(0);
+  for (const auto& [kind, directions] :
+       {std::pair{Cause::Kind::payload_sways, std::vector{0, 1}},
+        std::pair{Cause::Kind::payload_heaves, std::vector{2}}}) {
+    Cause cause{kind};
+    cause.free = {
+        {.start = start * mass, .lower = least * mass, .upper = most * mass},
+        {.start = above * omega, .lower = lowest * omega, .upper = highest * omega}};
+    for (std::size_t k = 0; k < directions.size(); ++k) {
+      const auto path = [&](const std::string& key) {
+        return fmt::format("payload_modes.mode_{}.{}", k + 1, key);
+      };
+      for (int i = 0; i < 3; ++i) {
+        cause.changes.push_back(
+            change(file, path(fmt::format("position[{}]", i)), machine.platform.mass_center[i]));
+        cause.changes.push_back(change(file, path(fmt::format("direction[{}]", i)),
+                                       i == directions[k] ? 1.0 : 0.0));
+      }
+      cause.changes.push_back(change(file, path("mass"), start * mass));
+      cause.changes.push_back(change(file, path("frequency"), above * omega));
+      cause.free[0].paths.push_back(path("mass"));
+      cause.free[1].paths.push_back(path("frequency"));
+    }
+    all.push_back(cause);
+  }
+}
+
 }  // namespace
 
 Family Cause::family() const {
@@ -251,19 +299,22 @@ Family Cause::family() const {
   if (kind <= Cause::Kind::mass_and_inertia) return Family::platform;
   if (kind == Cause::Kind::mass_center) return Family::mass_center;
   if (kind == Cause::Kind::leakage) return Family::leakage;
+  if (kind >= Cause::Kind::payload_sways) return Family::payload_modes;
   return kind == Cause::Kind::oil_lines ? Family::oil_lines : Family::base;
 }
 
 bool Cause::in_pairs() const {
-  constexpr std::array stood_for{Cause::Kind::air, Cause::Kind::cap_volume, Cause::Kind::rod_volume,
-                                 Cause::Kind::gimbals, Cause::Kind::payload_height};
+  constexpr std::array stood_for{Cause::Kind::air,           Cause::Kind::cap_volume,
+                                 Cause::Kind::rod_volume,    Cause::Kind::gimbals,
+                                 Cause::Kind::payload_height, Cause::Kind::payload_sways,
+                                 Cause::Kind::payload_heaves, Cause::Kind::payload_modes};
   return std::ranges::count(stood_for, kind) == 0;
 }
 
 std::vector<Cause> causes_of(const model::MachineFile& file) {
   std::vector<Cause> all;
   for (const auto add : {add_guide_sleeves, add_piston_rings, add_oil, add_gimbals, add_platform,
-                         add_base, add_oil_lines, add_leakage})
+                         add_base, add_oil_lines, add_leakage, add_payload_modes})
     add(file, all);
   return all;
 }

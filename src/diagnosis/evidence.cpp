@@ -9,6 +9,7 @@
 #include "hydrapod/diagnosis/diagnose.hpp"
 #include "hydrapod/modal/normal_modes.hpp"
 #include "hydrapod/observation/pairing.hpp"
+#include "hydrapod/model/section.hpp"
 
 namespace hydrapod::diagnosis {
 
@@ -114,7 +115,8 @@ Targets Evidence::for_mechanics() const {
 }
 
 Hypothesis Evidence::rigid() const {
-  constexpr double like_rigid = 1e15;  // [N/m], [N m/rad]
+  constexpr double like_rigid = 1e15;      // [N/m], [N m/rad]
+  constexpr double stiffer_payload = 1e3;  // in frequency: 1e6 in stiffness
   Hypothesis e{.rigid = true, .kind = kind_};
   const auto set = [&](const std::string& path, double value) {
     e.changes.push_back({*find_parameter(file_, path), value});
@@ -126,11 +128,16 @@ Hypothesis Evidence::rigid() const {
     set(path("guide_sleeve.stiffness"), stiffer * leg.guide_sleeve.stiffness);
     if (leg.piston_ring) set(path("piston_ring.stiffness"), stiffer * leg.piston_ring->stiffness);
     if (leg.gimbal_stiffness) set(path("gimbal_stiffness"), like_rigid);
+    if (leg.bending == model::LegBending::elastic)
+      set(path("rod.youngs_modulus"), stiffer * leg.rod.youngs_modulus);
   }
   if (file_.machine.base_mount)
     for (int k = 0; k < 6; ++k)
       if (file_.machine.base_mount->stiffness[static_cast<std::size_t>(k)])
         set(fmt::format("base.mount.stiffness.{}", direction_name(k)), like_rigid);
+  for (const auto& mode : file_.machine.payload_modes)
+    set(fmt::format("payload_modes.{}.frequency", model::written_key(mode.name)),
+        stiffer_payload * mode.frequency);
   const auto file = file_with(e);
   e.by_mechanics = beyond_mechanics(targets_) && plant_refused(file, targets_, kind_).has_value();
   e.fit = calibration::compare(file, e.by_mechanics ? by_mechanics_ : targets_, kind_);

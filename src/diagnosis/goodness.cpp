@@ -1,4 +1,4 @@
-#include "hydrapod/diagnosis/goodness.hpp"
+#include "hydrapod/diagnosis/diagnose.hpp"
 
 #include <algorithm>
 #include <boost/math/distributions/chi_squared.hpp>

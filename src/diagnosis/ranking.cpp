@@ -8,7 +8,6 @@
 
 #include "evidence.hpp"
 #include "hydrapod/diagnosis/diagnose.hpp"
-#include "hydrapod/diagnosis/goodness.hpp"
 #include "hydrapod/observation/pairing.hpp"
 
 namespace hydrapod::diagnosis {
@@ -221,6 +220,8 @@ void trace_modes(const model::MachineFile& file, Diagnosis& d) {
     mode.guide_sleeves = energy.guide_sleeve.sum();
     mode.piston_rings = energy.piston_ring.sum();
     mode.base = energy.base_mount;
+    mode.payload = energy.payload_elastic;
+    mode.bending = energy.bending.sum();
     d.modes.push_back(mode);
   }
 }

@@ -131,6 +131,11 @@ Remedy find_remedy(const model::Machine& machine, const std::vector<model::Named
     if (progress && progress(share)) throw base::ComputationError("remedy: interrupted");
   };
   Remedy remedy{.today = question.point(1.0), .limit = question.point(nearly_rigid)};
+  if (kind != dynamics::ModelKind::rigid && model::has_elastic_legs(machine)) {
+    auto straight = machine;
+    for (auto& leg : straight.legs) leg.bending = model::LegBending::rigid;
+    remedy.limit_without_bending = Question(straight, poses, kind, goal).point(nearly_rigid);
+  }
   constexpr int points = 41;
   constexpr double from = 0.1, to = 1000.0;
   for (int k = 0; k < points; ++k) {

@@ -15,6 +15,7 @@ double rigid_share(const dynamics::LinearModel& flexible, const spatial::Vector6
 
 model::Machine without_mount_and_gimbals(model::Machine machine) {
   machine.base_mount.reset();
+  machine.payload_modes.clear();
   for (auto& leg : machine.legs) leg.gimbal_stiffness.reset();
   return machine;
 }

@@ -37,7 +37,7 @@ Vector6 NonlinearModel::momentum(const Motion& motion) const {
   const auto& legs = *constants_;
   const auto& platform = machine_.platform;
   const Vector3 omega = motion.twist.tail<3>();
-  const Vector3 p_platform = platform.mass * motion.twist.head<3>();
+  Vector3 p_platform = platform.mass * motion.twist.head<3>();
   const Matrix3& R = motion.X_BP.R_BP;
   // ṅ = (ω_2, −ω_1, 0) in the case's frame, as in PointForces
   const Vector3L n(Lanes(0.0), Lanes(0.0), Lanes(1.0));
@@ -50,11 +50,24 @@ Vector6 NonlinearModel::momentum(const Motion& motion) const {
     about_joint += (legs.I_ta * spin.of_case) * n + (legs.I_ra * spin.of_rod) * at.e +
                    (legs.I_c * at.alpha) * a1;
   }
-  const Vector3L p_leg = at.R_BL * Vector3L(legs.m_t_r_b * n_rate + legs.m_g * at.g_rate);
+  Vector3L momentum = legs.m_t_r_b * n_rate + legs.m_g * at.g_rate;
+  if (legs.bends) {
+    const auto bow = bow_momentum(at, legs);
+    momentum += bow.linear;
+    about_joint += bow.angular;
+  }
+  const Vector3L p_leg = at.R_BL * momentum;
+  Vector3 about_center = R * (platform.inertia * (R.transpose() * omega));
+  if (payload_count() > 0) {
+    const PayloadInMotion payload(legs.payload, motion, machine_.gravity);
+    p_platform += Vector3(payload.rates.head<3>()) + omega.cross(payload.offset);
+    about_center += Vector3(payload.rates.tail<3>()) +
+                    payload.offset.cross(Vector3(motion.twist.head<3>()));
+  }
   Vector6 total;
   total.head<3>() = p_platform + sum(p_leg);
   total.tail<3>() = motion.p_BC.cross(p_platform) +
-                    R * (platform.inertia * (R.transpose() * omega)) + moments(legs.b, p_leg) +
+                    about_center + moments(legs.b, p_leg) +
                     sum(at.R_BL * about_joint);
   return total;
 }

@@ -113,7 +113,7 @@ void add_base_coordinates(const model::Machine& machine, const LegsOnBase& legs,
   model.base_inertia = own_inertia(*machine.base_mount);
   model.k_mount = springs(*machine.base_mount);
   model.carried_by_base = T;
-  model.against_base.rightCols(T.cols()) = -T;
+  model.against_base.middleCols(model.first_of_base(), T.cols()) = -T;
 
   Border K = carried(model.K, T);
   K.own.diagonal() += model.k_mount(directions);

@@ -4,9 +4,12 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
 
 #include "guide_contact.hpp"
 #include "hydrapod/hydraulics/servo_axis.hpp"
+#include "leg_beams.hpp"
 
 namespace hydrapod::dynamics {
 
@@ -109,7 +112,7 @@ void add_point_curvature(const Configuration& at, const LegPoint& point, const M
   H += A.selfadjointView<Eigen::Upper>();
 }
 
-/// Lateral offset d_s at the guide sleeve with its derivatives by the chart.
+/// Lateral offset d_s of the chords at the guide sleeve with its derivatives by the chart.
 struct SleeveOffset {
   Vector2 d;
   Matrix27 D = Matrix27::Zero();
@@ -144,6 +147,16 @@ struct SleeveOffset {
   }
 };
 
+/// ∂e/∂chart.
+Matrix37 rod_axis_rates(const Configuration& at) {
+  Matrix37 rates = Matrix37::Zero();
+  rates.col(alpha) = at.a1.cross(at.rod.e);
+  rates.col(beta) = a2_L.cross(at.rod.e);
+  rates.col(phi) = at.rod.e_1;
+  rates.col(phi + 1) = at.rod.e_2;
+  return rates;
+}
+
 /// Kinetic energy of the leg: 2T = ċᵀ M ċ in the chart.
 Matrix7 chart_mass(const model::Leg& leg, const Configuration& at, const Matrix37& case_rates,
                    const Matrix37& rod_rates, bool gimbal) {
@@ -155,11 +168,7 @@ Matrix7 chart_mass(const model::Leg& leg, const Configuration& at, const Matrix3
   M(beta, beta) += tube.transverse_inertia;
   M(extension, extension) += leg.added_axial_inertia + hydraulics::line_inertia(leg, at.s);
 
-  Matrix37 e_rates = Matrix37::Zero();  // ė, whose length is the rod's transverse rate
-  e_rates.col(alpha) = at.a1.cross(at.rod.e);
-  e_rates.col(beta) = a2_L.cross(at.rod.e);
-  e_rates.col(phi) = at.rod.e_1;
-  e_rates.col(phi + 1) = at.rod.e_2;
+  const Matrix37 e_rates = rod_axis_rates(at);  // as long as the rod's transverse rate
   M += rod.transverse_inertia * e_rates.transpose() * e_rates;
   if (!gimbal) return M;
 
@@ -174,6 +183,44 @@ Matrix7 chart_mass(const model::Leg& leg, const Configuration& at, const Matrix3
   spin[phi] = per_rate.dot(at.rod.e_1);
   spin[phi + 1] = per_rate.dot(at.rod.e_2);
   return M + rod.axial_inertia * spin * spin.transpose();
+}
+
+/// Rod and case between the chords, where they bend.
+struct Bending {
+  BeamCompliance compliance;
+  BowMass mass;
+  InSeries series;
+  Vector2 force;  ///< F
+  Matrix27 D;     ///< ∂d_s/∂chart − F ∂f/∂chart: of δ it is δ_d D, of F it is F_d D
+
+  /// `element` with the seal's offset and springs, `P`: compression of the rod.
+  Bending(const LegBeams& beams, double s, double P, const SleeveOffset& sleeve,
+          const LegElement& element)
+      : compliance(beams.compliance(s, P)),
+        mass(beams.bow_mass(s, P, element.k_s + element.k_contact)),
+        series(element),
+        force((element.k_s + element.k_contact) * element.sleeve_offset),
+        D(sleeve.D) {
+    D.col(extension) -= compliance.f_s * force;
+  }
+};
+
+/// What the mass of the bow adds to M: its field is −g F on the rod and +g F on the case.
+void add_bow_mass(const Configuration& at, const SleeveOffset& sleeve, const Bending& bending,
+                  Matrix7& M) {
+  Matrix37 bow = Matrix37::Zero();
+  const Vector3 force(bending.force[0], bending.force[1], 0.0);
+  bow.topRows<2>() = bending.series.F_d * sleeve.D;
+  bow.col(alpha) = at.a1.cross(force);
+  bow.col(beta) = a2_L.cross(force);
+  const Matrix37 piston = point_rates(at, at.rod_point(0.0));
+  Matrix37 axis = Matrix37::Zero();
+  axis.col(alpha) = at.a1.cross(n_L);
+  axis.col(beta) = a2_L.cross(n_L);
+  const auto& mass = bending.mass;
+  const Matrix7 mixed = bow.transpose() * (mass.around * axis - mass.piston * piston -
+                                           mass.tilt * rod_axis_rates(at));
+  M += mixed + mixed.transpose() + mass.self * bow.transpose() * bow;
 }
 
 /// Rate of a lateral vector `v` of the case that the case sees. With transverse axes the case does
@@ -214,12 +261,43 @@ struct Weights {
   Vector3 tube, rod;
 };
 
+/// Of what gives way at the guide sleeve: ∂V/∂chart. The energy ½ f F² by f at a given d_s is
+/// −½ F².
+Vector7 sleeve_gradient(const LegElement& element, const SleeveOffset& sleeve,
+                        const std::optional<Bending>& bending) {
+  if (!bending) {
+    const double k_secant = element.k_s + element.k_contact;
+    return k_secant * sleeve.D.transpose() * sleeve.d;
+  }
+  Vector7 gradient = sleeve.D.transpose() * bending->force;
+  gradient[extension] -= 0.5 * bending->compliance.f_s * bending->force.squaredNorm();
+  return gradient;
+}
+
+/// And ∂²V/∂chart².
+Matrix7 sleeve_hessian(const LegElement& element, const SleeveOffset& sleeve,
+                       const std::optional<Bending>& bending) {
+  if (bending) {
+    const Vector2& F = bending->force;
+    Matrix7 H = bending->D.transpose() * bending->series.F_d * bending->D +
+                F[0] * sleeve.D2[0] + F[1] * sleeve.D2[1];
+    H(extension, extension) -= 0.5 * bending->compliance.f_ss * F.squaredNorm();
+    return H;
+  }
+  const double k_secant = element.k_s + element.k_contact;
+  Matrix7 H = k_secant * (sleeve.D.transpose() * sleeve.D + sleeve.d[0] * sleeve.D2[0] +
+                          sleeve.d[1] * sleeve.D2[1]);
+  if (element.k_contact > 0.0) {
+    const Vector7 radial = sleeve.D.transpose() * element.contact_root;
+    H += radial * radial.transpose();
+  }
+  return H;
+}
+
 /// ∂V/∂chart.
 Vector7 chart_gradient(const LegElement& element, const Configuration& at, const LegPoints& points,
-                       const SleeveOffset& sleeve, const Weights& weights, double oil_force) {
-  const double k_secant = element.k_s + element.k_contact;
-  Vector7 gradient = k_secant * sleeve.D.transpose() * sleeve.d +
-                     points.case_rates.transpose() * weights.tube +
+                       const Vector7& of_sleeve, const Weights& weights, double oil_force) {
+  Vector7 gradient = of_sleeve + points.case_rates.transpose() * weights.tube +
                      points.rod_rates.transpose() * weights.rod;
   gradient[extension] += oil_force;
   gradient.tail<2>() += element.k_g * at.u;
@@ -228,14 +306,8 @@ Vector7 chart_gradient(const LegElement& element, const Configuration& at, const
 
 /// ∂²V/∂chart² − λ·∂²a/∂chart² at constant oil force.
 Matrix7 chart_hessian(const LegElement& element, const Configuration& at, const LegPoints& points,
-                      const SleeveOffset& sleeve, const Weights& weights, const Vector3& lambda) {
-  const double k_secant = element.k_s + element.k_contact;
-  Matrix7 H = k_secant * (sleeve.D.transpose() * sleeve.D + sleeve.d[0] * sleeve.D2[0] +
-                          sleeve.d[1] * sleeve.D2[1]);
-  if (element.k_contact > 0.0) {
-    const Vector7 radial = sleeve.D.transpose() * element.contact_root;
-    H += radial * radial.transpose();
-  }
+                      const Matrix7& of_sleeve, const Weights& weights, const Vector3& lambda) {
+  Matrix7 H = of_sleeve;
   H(offset, offset) += element.k_g;
   H(offset + 1, offset + 1) += element.k_g;
   add_point_curvature(at, points.case_center, points.case_rates, weights.tube, H);
@@ -269,14 +341,19 @@ void describe(const model::Leg& leg, const Configuration& at, double length, boo
   element.k_g = leg.piston_ring ? leg.piston_ring->stiffness : 0.0;
 }
 
-/// The guide ring where the rod lies on it.
-void press(const model::GuideSleeve& sleeve, const Vector2& offset, LegElement& element) {
-  element.sleeve_offset = offset;
-  const double size = offset.norm();
+/// The seal's offset, and the guide ring where the rod lies on it. `chords`: d_s.
+void press(const model::GuideSleeve& sleeve, const Vector2& chords, LegElement& element) {
+  Vector2& delta = element.sleeve_offset = chords;
+  if (const double d = chords.norm(); element.bending > 0.0 && d > 0.0)
+    delta *= seal_offset(d, element.bending, element.k_s,
+                          sleeve.gap.value_or(std::numeric_limits<double>::infinity()),
+                          sleeve.guide_stiffness) /
+              d;
+  const double size = delta.norm();
   const auto contact = guide_contact(sleeve, size);
   if (!(contact.secant > 0.0)) return;
   element.k_contact = contact.secant;
-  element.contact_root = std::sqrt(std::max(contact.tangent - contact.secant, 0.0)) / size * offset;
+  element.contact_root = std::sqrt(std::max(contact.tangent - contact.secant, 0.0)) / size * delta;
 }
 
 }  // namespace
@@ -296,10 +373,17 @@ BentLeg bent_leg(const model::Leg& leg, const Vector3& a, model::FlexibleAxes ax
 
   const LegPoints points(leg, at);
   const SleeveOffset sleeve(at, leg.guide_sleeve.position);
+  const auto beams = leg_beams(leg);
+  const double P = state.rod_compression.value_or(-state.oil_force);
+  if (beams) element.bending = beams->compliance(at.s, P).f;
   press(leg.guide_sleeve, sleeve.d, element);
+  std::optional<Bending> bending;
+  if (beams) bending.emplace(*beams, at.s, P, sleeve, element);
   const Vector3 g_L = at.R_BL.transpose() * gravity;
   const Weights weights{-leg.cylinder_case.mass * g_L, -leg.rod.mass * g_L};
-  const Vector7 gradient = chart_gradient(element, at, points, sleeve, weights, state.oil_force);
+  const Vector7 gradient =
+      chart_gradient(element, at, points, sleeve_gradient(element, sleeve, bending), weights,
+                     state.oil_force);
 
   const Matrix7 T = chart_from_local(points.joint_rates);
   const Vector3 lambda = T.topLeftCorner<3, 3>().transpose() * gradient.head<3>();
@@ -308,11 +392,20 @@ BentLeg bent_leg(const model::Leg& leg, const Vector3& a, model::FlexibleAxes ax
       gradient.tail<4>() - points.joint_rates.rightCols<4>().transpose() * lambda;
 
   element.s_x = T.row(extension).transpose();
-  element.d_x = seen_by_case(at, sleeve.D, sleeve.d, T, gimbal);
-  bent.K_without_oil =
-      T.transpose() * chart_hessian(element, at, points, sleeve, weights, lambda) * T;
+  element.d_x = seen_by_case(at, bending ? Matrix27(bending->series.delta_d * bending->D) : sleeve.D,
+                             element.sleeve_offset, T, gimbal);
+  bent.K_without_oil = T.transpose() *
+                       chart_hessian(element, at, points, sleeve_hessian(element, sleeve, bending),
+                                     weights, lambda) *
+                       T;
   element.K = bent.K_without_oil + element.k_h * element.s_x * element.s_x.transpose();
-  element.M = T.transpose() * chart_mass(leg, at, points.case_rates, points.rod_rates, gimbal) * T;
+  Matrix7 mass = chart_mass(leg, at, points.case_rates, points.rod_rates, gimbal);
+  if (bending) {
+    add_bow_mass(at, sleeve, *bending, mass);
+    element.bending_force = bending->force;
+    element.F_x = seen_by_case(at, bending->series.F_d * bending->D, bending->force, T, gimbal);
+  }
+  element.M = T.transpose() * mass * T;
   element.C = leg_damping(leg, element, at, T, gimbal);
   return bent;
 }

@@ -8,23 +8,13 @@
 #include <limits>
 #include <numbers>
 
+#include "round_section.hpp"
+
 namespace hydrapod::dynamics {
 
 namespace {
 
 using std::numbers::pi;
-
-struct Section {
-  double area{};           ///< A [m²]
-  double second_moment{};  ///< I [m⁴]
-};
-
-/// Solid without a wall.
-Section round_section(double diameter, std::optional<double> wall) {
-  const double inside = wall ? diameter - 2.0 * *wall : 0.0;
-  return {pi / 4.0 * (diameter * diameter - inside * inside),
-          pi / 64.0 * (std::pow(diameter, 4) - std::pow(inside, 4))};
-}
 
 /// Guided length over the leg's; below, rounding takes what is left of the stiffness.
 constexpr double least_guide = 1e-3;
@@ -109,8 +99,7 @@ bool is_stable(const std::array<Span, 4>& spans, const std::optional<RigidCase>&
 std::optional<ColumnStrength> column_strength(const model::Leg& leg, double length) {
   const auto& rod = leg.rod;
   const auto& around = leg.cylinder_case;
-  const auto& cylinder = leg.oil_spring.cylinder;
-  const double diameter = rod.diameter ? *rod.diameter : cylinder ? cylinder->rod_diameter : 0.0;
+  const double diameter = model::rod_diameter(leg).value_or(0.0);
   const double l_m = length - rod.length, L_g = leg.guide_sleeve.position;
   if (!(diameter > 0.0) || !(l_m > 0.0) || !(L_g - l_m > least_guide * length) || !(length > L_g))
     return {};

@@ -7,6 +7,8 @@
 #include <cmath>
 
 #include "hydrapod/base/error.hpp"
+#include "hydrapod/base/units.hpp"
+#include "hydrapod/dynamics/linear_model.hpp"
 #include "hydrapod/hydraulics/servo_axis.hpp"
 
 namespace hydrapod::dynamics {
@@ -53,15 +55,49 @@ SealArms seal_arms(double stiffness, const model::Elastomer& elastomer, double s
   const double each = growth * stiffness / ArmSums(rates).storage;
   SealArms arms;
   for (std::size_t j = 0; j < arms_per_seal; ++j)
-    arms[j] = {.stiffness = each, .rate = elastomer.frequency * rates[j]};
+    arms[j] = {.stiffness = each, .rate = base::two_pi * elastomer.frequency * rates[j]};
   return arms;
+}
+
+SealArms arms_in_series(const SealArms& arms, double k, double f) {
+  constexpr double least = 1e-9;  // of the arms' share in series: below, they are what they were
+  if (!(f * (arms[0].stiffness + arms[1].stiffness + arms[2].stiffness) > least)) return arms;
+  SealArms sorted = arms;
+  std::ranges::sort(sorted, {}, &SealArm::rate);
+  // 1 + f k(−μ), which falls from ∞ (from 1 + f k at μ = 0) to −∞ between two rates.
+  const auto excess = [&](double mu) {
+    double sum = 1.0 + f * k;
+    for (const auto& arm : sorted) sum += f * arm.stiffness * mu / (mu - arm.rate);
+    return sum;
+  };
+  SealArms result;
+  double from = 0.0;
+  for (std::size_t j = 0; j < arms_per_seal; ++j) {
+    double low = from, high = sorted[j].rate;
+    from = high;
+    constexpr int halvings = 200;
+    for (int n = 0; n < halvings && high - low > 1e-16 * high; ++n) {
+      const double middle = 0.5 * (low + high);
+      (excess(middle) > 0.0 ? low : high) = middle;
+    }
+    double slope = 0.0;  // of k(p) at −μ
+    for (const auto& arm : sorted)
+      slope += arm.stiffness * arm.rate / ((arm.rate - low) * (arm.rate - low));
+    const double chords_per_seal = 1.0 + f * k;
+    result[j] = {.stiffness = chords_per_seal * chords_per_seal / (f * f * slope * low),
+                 .rate = low};
+  }
+  return result;
 }
 
 void fill_seal_arms(const model::Machine& machine, LinearModel& model) {
   if (model.kind == ModelKind::rigid) return;
   const auto add = [&](int leg, double stiffness, const model::Elastomer& elastomer, Relaxing what) {
     double closed = 0.0;
-    for (const auto& arm : seal_arms(stiffness, elastomer)) {
+    auto arms = seal_arms(stiffness, elastomer);
+    const double f = model.legs[leg].bending;
+    if (what == Relaxing::sleeve && f > 0.0) arms = arms_in_series(arms, stiffness, f);
+    for (const auto& arm : arms) {
       closed += arm.stiffness;
       for (const int axis : {0, 1})
         model.arms.push_back({.leg = leg,

@@ -1,4 +1,6 @@
-#include "hydrapod/dynamics/equivalent.hpp"
+/// Guide rings and elastomers at given amplitudes: docs/theory/amplitude.md.
+
+#include "hydrapod/dynamics/linear_model.hpp"
 
 #include <Eigen/LU>
 #include <cmath>
@@ -12,9 +14,10 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
-/// Sums over a period of what is periodic converge faster than any power. The corner of a guide ring
-/// is a tenth of its gap wide: at a hundred times the gap a period still has points in it.
-constexpr int points_of_period = 4096;
+/// Sums over a period of what is smooth and periodic converge faster than any power. The corner of a
+/// guide ring is a tenth of its gap wide: at a hundred times the gap it lies between two points, and
+/// the error is that of a sharp corner, some 1e-5 of the stiffness.
+constexpr int points_of_period = 1024;
 
 /// Mean force of seal and guide ring, its derivative by the mean offset, and S.
 struct PeriodSums {
@@ -79,34 +82,6 @@ ModelVector per_coordinate(const LinearModel& model, int leg, const Vector7& per
     row.segment(model.first_of_base(), model.base_count()) =
         -model.carried_by_base.transpose() * of_platform;
   return row;
-}
-
-Equivalent friction_equivalent(hydraulics::Friction friction, double amplitude, double omega) {
-  friction.viscous = 0.0;
-  const double step = 2.0 * pi / points_of_period;
-  double z = 0.0, cosine = 0.0, sine = 0.0;
-  constexpr int until_periodic = 2;  // bristles forget within the first stroke, or never slide
-  for (int k = -until_periodic * points_of_period; k < points_of_period; ++k) {
-    const double theta = step * (k + 0.5);
-    const double v = -amplitude * omega * std::sin(theta);
-    double force = 0.0;
-    if (friction.has_bristles()) {
-      // ż = v − σ0 |v| z / g, exactly over a step of constant velocity.
-      const double g = hydraulics::sliding_force(friction, v);
-      const double ends = std::copysign(g / friction.bristle_stiffness, v);
-      const double kept = std::exp(-friction.bristle_stiffness * std::abs(v) / g * step / omega);
-      const double before = z;
-      z = ends + (z - ends) * kept;
-      const double middle = 0.5 * (before + z);
-      force = hydraulics::bristle_friction(friction, v, middle).force;
-    } else {
-      force = hydraulics::smooth_friction(friction, v);
-    }
-    if (k < 0) continue;
-    cosine += force * std::cos(theta) * step;
-    sine += force * std::sin(theta) * step;
-  }
-  return {cosine / (pi * amplitude), -sine / (pi * amplitude * omega)};
 }
 
 }  // namespace hydrapod::dynamics

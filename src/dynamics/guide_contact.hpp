@@ -17,6 +17,7 @@
 /// is along d, so that the stiffness differs with direction: the secant k_c h/|d| across d, the
 /// tangent k_c h' along it. h is convex and zero up to x = −w > −|d|, so h' ≥ h/|d|.
 
+#include <algorithm>
 #include <cmath>
 
 #include "hydrapod/model/machine.hpp"
@@ -39,6 +40,27 @@ inline GuideContact guide_contact(double offset, double gap, double k_c) {
   const double t = x / w, q = t + 1.0;
   return {k_c * w * q * q * q * (3.0 - t) / (16.0 * offset), k_c * q * q * (2.0 - t) / 4.0,
           k_c * w * w * q * q * q * q * (4.0 - t) / 80.0};
+}
+
+/// Of the seal δ, where rod and case in series with it give way by f per force: the root of
+/// δ + f (k_s δ + k_c h(δ − g)) = `chords`. Convex in δ, so that Newton's method falls on it from
+/// above. `gap` may be infinite.
+inline double seal_offset(double chords, double f, double k_s, double gap, double k_c) {
+  const double slope = 1.0 + f * k_s, free = chords / slope;
+  const double w = GuideContact::smoothing * gap;
+  if (!(free > gap - w)) return free;
+  const double pressed = (chords + f * k_c * gap) / (slope + f * k_c);
+  if (pressed >= gap + w) return pressed;
+  double delta = std::min(free, gap + w);
+  constexpr int most = 60;
+  for (int k = 0; k < most; ++k) {
+    const auto contact = guide_contact(delta, gap, k_c);
+    const double excess = (slope + f * contact.secant) * delta - chords;
+    const double next = delta - excess / (slope + f * contact.tangent);
+    if (!(next < delta)) break;
+    delta = next;
+  }
+  return delta;
 }
 
 inline GuideContact guide_contact(const model::GuideSleeve& sleeve, double offset) {

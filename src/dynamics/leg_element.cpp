@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "hydrapod/hydraulics/servo_axis.hpp"
+#include "leg_beams.hpp"
 
 namespace hydrapod::dynamics {
 
@@ -23,6 +24,17 @@ Matrix3 plane_mass(const model::Leg& leg, double l, double l_m) {
   const double I_base = tube.mass * tube.mass_center * tube.mass_center + tube.transverse_inertia;
   return I_base * omega * omega.transpose() + rod.mass * v_g * v_g.transpose() +
          rod.transverse_inertia * omega_rod * omega_rod.transpose();
+}
+
+/// What the mass of the bow adds to plane_mass(); `force`: F per (v, φ, u).
+Matrix3 plane_bow_mass(const model::Leg& leg, const LegElement& at, const BowMass& bow,
+                       const Vector3& force) {
+  const Vector3 omega(1.0 / at.l, -leg.rod.length / at.l, -1.0 / at.l);
+  const Vector3 piston = at.l_m * omega + Vector3(0.0, 0.0, 1.0);
+  const Vector3 omega_rod = omega + Vector3(0.0, 1.0, 0.0);
+  const Vector3 momentum = bow.around * omega - bow.piston * piston - bow.tilt * omega_rod;
+  return force * momentum.transpose() + momentum * force.transpose() +
+         bow.self * force * force.transpose();
 }
 
 /// Puts a plane's 3×3 matrix where its coordinates (v, φ, u) stand in x; `sign` is that of φ.
@@ -105,7 +117,18 @@ LegElement straight_leg(const model::Leg& leg, const kinematics::LegGeometry& ge
   element.d_x(0, 5) = 1.0;
   element.d_x(1, 6) = 1.0;
 
-  const Matrix3 plane = plane_mass(leg, element.l, element.l_m);
+  Matrix3 plane = plane_mass(leg, element.l, element.l_m);
+  double at_sleeve = element.k_s;
+  if (const auto beams = leg_beams(leg)) {
+    element.bending = beams->compliance(element.l_m, 0.0).f;
+    const double series = 1.0 + element.bending * element.k_s;  // d_s over δ
+    element.d_x /= series;
+    element.F_x = element.k_s * element.d_x;
+    at_sleeve *= series;
+    const double stiffness = element.k_s / series;
+    plane += plane_bow_mass(leg, element, beams->bow_mass(element.l_m, 0.0, element.k_s),
+                            stiffness * Vector3(0.0, element.l_mh, 1.0));
+  }
   scatter(plane, plane_t, 1.0, element.M);
   scatter(plane, plane_2, -1.0, element.M);
   element.M(2, 2) =
@@ -113,7 +136,7 @@ LegElement straight_leg(const model::Leg& leg, const kinematics::LegGeometry& ge
   if (axes == model::FlexibleAxes::gimbal)
     add_gimbal_rotations(leg, element.l, element.frame, element.M);
 
-  element.K = lateral_and_axial(element, element.k_s, element.k_g, element.k_h);
+  element.K = lateral_and_axial(element, at_sleeve, element.k_g, element.k_h);
   element.C = lateral_and_axial(element, leg.guide_sleeve.damping,
                                 leg.piston_ring ? leg.piston_ring->damping : 0.0, axial.damping);
   return element;

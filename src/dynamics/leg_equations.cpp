@@ -16,9 +16,11 @@ template <int n>
 struct Partials {
   using Matrix = Eigen::Matrix<Lanes, 3, 3 + n>;
   Matrix g, e;
+  Matrix bow, bow_momentum;  ///< of b and of what it is dual to; where legs bend
   Eigen::Matrix<Lanes, 3 + n, 1> rod_spin;
 
-  Partials(const LegsInMotion& at, const Lanes& c_g) {
+  Partials(const LegsInMotion& at, const LegConstants& legs) {
+    const Lanes& c_g = legs.c_g;
     const Vector3L a1(at.cosine, zero, at.sine);
     g.col(0) = a1.cross(at.g);
     g.col(1) = Vector3L(at.g[2], zero, -at.g[0]);
@@ -37,6 +39,38 @@ struct Partials {
       g.col(6) = Vector3L(zero, one, zero);
       e.col(5) = e.col(6) = Vector3L(zero, zero, zero);
     }
+    if constexpr (n >= 2)
+      if (legs.bends) add_bow(at, legs);
+  }
+
+  /// ∂b, and what multiplies ḃ in the kinetic energy per chart rate but for ½ bow_self |ḃ|².
+  void add_bow(const LegsInMotion& at, const LegConstants& legs) {
+    const auto lateral = [](const Vector2L& v) { return Vector3L(v[0], v[1], zero); };
+    const Vector3L a1(at.cosine, zero, at.sine), piston(at.flexible[2], at.flexible[3], at.s);
+    bow.col(0) = a1.cross(at.bow);
+    bow.col(1) = Vector3L(zero, zero, -at.bow[0]);
+    for (int k = 0; k < 3; ++k) bow.col(2 + k) = lateral(legs.bow_slope * at.sleeve_slopes.col(k));
+    if constexpr (n == 4)
+      for (int k = 0; k < 2; ++k) bow.col(5 + k) = lateral(legs.bow_slope.col(k));
+    bow_momentum = -legs.bow_tilt * e;
+    bow_momentum.col(0) -= legs.bow_piston * a1.cross(piston);
+    bow_momentum.col(0)[1] -= legs.bow_case * at.cosine;  // ∂n/∂α = a1 × n
+    bow_momentum.col(1) -= legs.bow_piston * Vector3L(piston[2], zero, -piston[0]);
+    bow_momentum.col(1)[0] += legs.bow_case;
+    bow_momentum.col(2)[2] -= legs.bow_piston;
+    if constexpr (n == 4)
+      for (int k = 0; k < 2; ++k) bow_momentum.col(5 + k)[k] -= legs.bow_piston;
+  }
+
+  /// r += (∂p)ᵀ force, p: the piston.
+  void add_piston(const LegsInMotion& at, const Vector3L& force,
+                  Eigen::Matrix<Lanes, 3 + n, 1>& r) const {
+    const Vector3L a1(at.cosine, zero, at.sine), piston(at.flexible[2], at.flexible[3], at.s);
+    r[0] += a1.cross(piston).dot(force);
+    r[1] += piston[2] * force[0] - piston[0] * force[2];
+    r[2] += force[2];
+    if constexpr (n == 4)
+      for (int k = 0; k < 2; ++k) r[5 + k] += force[k];
   }
 
   void add_spin(const LegsInMotion& at, const Vector3L& row) {
@@ -110,6 +144,10 @@ void mass(const LegsInMotion& at, const LegSurroundings& around, const Partials<
       if (row != 2 && column != 2)
         sum += legs.I_r * partials.e.col(row).dot(partials.e.col(column));
       if (around.spinning) sum += legs.I_ra * partials.rod_spin[row] * partials.rod_spin[column];
+      if (legs.bends && n > 0)
+        sum += partials.bow.col(row).dot(partials.bow_momentum.col(column) +
+                                         legs.bow_self * partials.bow.col(column)) +
+               partials.bow_momentum.col(row).dot(partials.bow.col(column));
       M(row, column) = M(column, row) = sum;
     }
   M(0, 0) += legs.I_b * at.cosine * at.cosine;
@@ -130,6 +168,7 @@ void mass(const LegsInMotion& at, const LegSurroundings& around, const Partials<
 /// Accelerations of the points of a leg for (α̈, β̈, s̈) = κ and constant flexible rates, in L.
 struct PointAccelerations {
   Vector3L n, e, g;
+  Vector3L piston, bow;                 ///< of legs that bend
   Lanes s, cross, case_spin, rod_spin;  ///< cross: of the lower gimbal, about a1
 };
 
@@ -152,7 +191,8 @@ Vector3L joint_bias_in_chart(const LegsInMotion& at, const Lanes& l_mn) {
 }
 
 PointAccelerations point_accelerations(const LegsInMotion& at, const Vector3L& kappa,
-                                       const Lanes& c_g) {
+                                       const LegConstants& legs, bool bends) {
+  const Lanes& c_g = legs.c_g;
   const Vector3L& w = at.omega;
   const Vector3L dw = frame_bias(at) + Vector3L(at.cosine * kappa[0], kappa[1], at.sine * kappa[0]);
   const Vector3L g_rate = piston_rate(at) + c_g * at.e_bending;
@@ -167,12 +207,23 @@ PointAccelerations point_accelerations(const LegsInMotion& at, const Vector3L& k
   out.cross = kappa[0];
   out.case_spin = dw[2];
   out.rod_spin = dw.dot(at.e) + w.dot(at.e_bending);
+  if (!bends) return out;
+  const Vector3L piston(at.flexible[2], at.flexible[3], at.s);
+  const Vector3L piston_inner = w.cross(piston) + two * piston_rate(at);
+  out.piston = dw.cross(piston) + w.cross(piston_inner);
+  out.piston[2] += kappa[2];
+  const Vector3L bow_inner = at.bow_rate - w.cross(at.bow);  // b° that L sees
+  const Vector3L bow_twice = at.bow_rate + bow_inner;
+  const Vector2L by_extension = kappa[2] * (legs.bow_slope * at.sleeve_slopes.col(0));
+  out.bow = dw.cross(at.bow) + w.cross(bow_twice) + at.bow_curvature +
+            Vector3L(by_extension[0], by_extension[1], zero);
   return out;
 }
 
 /// Forces that are dual to the motions of n, e, g and s: inertia less what acts.
 struct PointForces {
   Vector3L n, e, g;
+  Vector3L piston, bow;  ///< of legs that bend
   Lanes s, cross, case_spin, rod_spin;
 };
 
@@ -196,6 +247,16 @@ PointForces point_forces(const LegsInMotion& at, const LegSurroundings& around,
   return forces;
 }
 
+/// Inertia of the bow: 2T = 2 ḃ·(bow_case ṅ − bow_piston ṗ − bow_tilt ė) + bow_self |ḃ|².
+void add_bow_inertia(const LegConstants& legs, const PointAccelerations& acceleration,
+                     PointForces& forces) {
+  forces.n += legs.bow_case * acceleration.bow;
+  forces.e -= legs.bow_tilt * acceleration.bow;
+  forces.piston = -legs.bow_piston * acceleration.bow;
+  forces.bow = legs.bow_case * acceleration.n - legs.bow_piston * acceleration.piston -
+               legs.bow_tilt * acceleration.e + legs.bow_self * acceleration.bow;
+}
+
 /// Friction at both joints of the legs; returns the moments on the platform in L.
 Vector3L add_joint_friction(const LegsInMotion& at, const LegSurroundings& around,
                             PointForces& forces) {
@@ -211,11 +272,42 @@ Lanes cross(const Vector2L& v, const Vector2L& force) { return v[0] * force[1] -
 
 /// `part` of the guide contact of every leg.
 Lanes of_guides(const LegsInMotion& at, const LegConstants& legs, double GuideContact::*part) {
-  const Lanes offset = sqrt(at.sleeve_offset.dot(at.sleeve_offset));
+  const Vector2L& at_seal = legs.bends ? at.seal_offset : at.sleeve_offset;
+  const Lanes offset = sqrt(at_seal.dot(at_seal));
   Lanes result;
   for (int i = 0; i < Lanes::size; ++i)
     result.set(i, guide_contact(offset[i], legs.gap[i], legs.k_c[i]).*part);
   return result;
+}
+
+/// What the guide sleeve brings against d_s, of which `damper` turns with the case.
+struct SleeveForce {
+  Vector2L force, damper;
+  Vector2L damped;   ///< the offset that the damper sees
+  Lanes along_case;  ///< against s, beside what d_s does
+};
+
+SleeveForce sleeve_force(const LegsInMotion& at, const LegSurroundings& around) {
+  const auto& legs = around.legs;
+  SleeveForce sleeve;
+  if (!legs.bends) {
+    sleeve.damped = at.sleeve_offset;
+    sleeve.damper = legs.c_s * at.sleeve_offset_rate;
+    sleeve.force =
+        (legs.guide_contact ? legs.k_s + guide_secant(at, legs) : legs.k_s) * at.sleeve_offset +
+        sleeve.damper;
+    if (around.seals_press) sleeve.force += around.sleeve_force;
+    return sleeve;
+  }
+  sleeve.damped = at.seal_offset;
+  sleeve.damper = legs.c_s * at.seal_offset_rate;
+  Vector2L at_seal = sleeve.damper;
+  if (around.seals_press) at_seal += around.sleeve_force;
+  const Vector2L on_chords = at.seal_per_offset * at_seal;
+  sleeve.force = at.bending_force + on_chords;
+  sleeve.along_case =
+      -at.bending_slope * at.bending_force.dot(0.5 * at.bending_force + on_chords);
+  return sleeve;
 }
 
 /// Forces of seals on the chart: springs and dampers. Dampers see what the case sees.
@@ -223,13 +315,11 @@ template <int n>
 void add_seals(const LegsInMotion& at, const LegSurroundings& around,
                Eigen::Matrix<Lanes, 3 + n, 1>& r) {
   const auto& legs = around.legs;
-  const Vector2L sleeve_damper = legs.c_s * at.sleeve_offset_rate;
-  Vector2L sleeve =
-      (legs.guide_contact ? legs.k_s + guide_secant(at, legs) : legs.k_s) * at.sleeve_offset +
-      sleeve_damper;
-  if (around.seals_press) sleeve += around.sleeve_force;
+  const SleeveForce of_sleeve = sleeve_force(at, around);
+  const Vector2L& sleeve = of_sleeve.force;
   for (int k = 0; k < 3; ++k) r[2 + k] += at.sleeve_slopes.col(k).dot(sleeve);
-  Lanes about_n = cross(at.sleeve_offset, sleeve_damper);
+  if (legs.bends) r[2] += of_sleeve.along_case;
+  Lanes about_n = cross(of_sleeve.damped, of_sleeve.damper);
   if constexpr (n == 4) {
     const Vector2L offset(at.flexible[2], at.flexible[3]);
     const Vector2L ring_damper = legs.c_ring * at.ring_offset_rate;
@@ -248,7 +338,9 @@ Eigen::Matrix<Lanes, 3 + n, 1> residual(const LegsInMotion& at, const LegSurroun
     r[k] = partials.g.col(k).dot(forces.g);
     if (k != 2) r[k] += partials.e.col(k).dot(forces.e);
     if (around.spinning) r[k] += forces.rod_spin * partials.rod_spin[k];
+    if (n > 0 && around.legs.bends) r[k] += partials.bow.col(k).dot(forces.bow);
   }
+  if (n > 0 && around.legs.bends) partials.add_piston(at, forces.piston, r);
   r[0] -= at.cosine * forces.n[1];
   r[1] += forces.n[0];
   r[2] += forces.s;
@@ -265,6 +357,39 @@ Lanes guide_secant(const LegsInMotion& at, const LegConstants& legs) {
 
 Lanes guide_energy(const LegsInMotion& at, const LegConstants& legs) {
   return of_guides(at, legs, &GuideContact::energy);
+}
+
+namespace {
+
+/// Velocities of the piston and of n in B, components in L.
+struct AlongLeg {
+  Vector3L piston, piston_rate, n_rate;
+
+  explicit AlongLeg(const LegsInMotion& at)
+      : piston(at.flexible[2], at.flexible[3], at.s),
+        piston_rate(at.omega.cross(piston) + dynamics::piston_rate(at)),
+        n_rate(at.omega[1], -at.omega[0], zero) {}
+};
+
+}  // namespace
+
+Lanes bow_energy(const LegsInMotion& at, const LegConstants& legs) {
+  const AlongLeg leg(at);
+  const Vector3L momentum = legs.bow_case * leg.n_rate - legs.bow_piston * leg.piston_rate -
+                            legs.bow_tilt * at.e_rate;
+  return at.bow_rate.dot(two * momentum + legs.bow_self * at.bow_rate);
+}
+
+BowMomentum bow_momentum(const LegsInMotion& at, const LegConstants& legs) {
+  const AlongLeg leg(at);
+  const Vector3L n(zero, zero, one);
+  const auto about = [&](const Vector3L& arm, const Vector3L& arm_rate) {
+    return Vector3L(arm.cross(at.bow_rate) + at.bow.cross(arm_rate));
+  };
+  return {-legs.bow_moment * at.bow_rate,
+          legs.bow_case * about(n, leg.n_rate) - legs.bow_piston * about(leg.piston, leg.piston_rate) -
+              legs.bow_tilt * about(at.e, at.e_rate) +
+              legs.bow_self * at.bow.cross(at.bow_rate)};
 }
 
 Vector3L in_cases(const LegsInMotion& at, const Vector3& v) {
@@ -305,7 +430,7 @@ JointTurning joint_turning(const LegsInMotion& at, const LegConstants& legs, con
 
 template <int n>
 void leg_mass(const LegsInMotion& at, const LegSurroundings& around, LegEquations<n>& equations) {
-  Partials<n> partials(at, around.legs.c_g);
+  Partials<n> partials(at, around.legs);
   if (around.spinning) partials.add_spin(at, axial_spin(at, around.legs.piston_axis).row);
   mass<n>(at, around, partials, equations);
 }
@@ -314,7 +439,7 @@ template <int n>
 void leg_equations(const LegsInMotion& at, const LegSurroundings& around,
                    LegEquations<n>& equations) {
   const auto& legs = around.legs;
-  Partials<n> partials(at, legs.c_g);
+  Partials<n> partials(at, legs);
   AxialSpin spin;
   if (around.spinning) {
     spin = axial_spin(at, legs.piston_axis);
@@ -325,8 +450,9 @@ void leg_equations(const LegsInMotion& at, const LegSurroundings& around,
   const Vector3L bias =
       at.R_BL.transpose() * around.joint_bias - joint_bias_in_chart(at, legs.l_mn);
   const Vector3L kappa = equations.A_inverse * bias;
-  const auto accelerations = point_accelerations(at, kappa, legs.c_g);
+  const auto accelerations = point_accelerations(at, kappa, legs, n > 0 && legs.bends);
   PointForces forces = point_forces(at, around, accelerations, spin);
+  if (n > 0 && legs.bends) add_bow_inertia(legs, accelerations, forces);
   equations.joint_moment = at.R_BL * add_joint_friction(at, around, forces);
   const Eigen::Matrix<Lanes, 3 + n, 1> r = residual<n>(at, around, partials, forces);
   equations.r_c = r.template head<3>();

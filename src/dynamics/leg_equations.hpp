@@ -92,6 +92,14 @@ JointTurning joint_turning(const LegsInMotion& at, const LegConstants& legs, con
 Lanes guide_secant(const LegsInMotion& at, const LegConstants& legs);
 Lanes guide_energy(const LegsInMotion& at, const LegConstants& legs);
 
+/// Twice the kinetic energy that the bows add [J], and their momentum, linear and about the base
+/// joints, L.
+Lanes bow_energy(const LegsInMotion& at, const LegConstants& legs);
+struct BowMomentum {
+  Vector3L linear, angular;
+};
+BowMomentum bow_momentum(const LegsInMotion& at, const LegConstants& legs);
+
 /// A vector of B that is the same for all legs, in the frames of the cases.
 Vector3L in_cases(const LegsInMotion& at, const Vector3& v);
 

@@ -1,6 +1,9 @@
 #include "leg_motion.hpp"
 
 #include <Eigen/Geometry>
+#include <algorithm>
+
+#include "guide_contact.hpp"
 
 namespace hydrapod::dynamics {
 
@@ -106,6 +109,63 @@ void deflect_seals(const LegConstants& legs, bool spinning, LegsInMotion& at) {
   at.sleeve_offset_rate += turned(at.sleeve_offset);
 }
 
+/// Seal, guide ring and beams in series between the chords: δ, F and ∂δ/∂d_s.
+void share_offset(const LegConstants& legs, LegsInMotion& at) {
+  const Lanes size = sqrt(at.sleeve_offset.dot(at.sleeve_offset));
+  Lanes ratio(1.0), secant(0.0), along(1.0), across(1.0);
+  at.bending = at.bending_slope = Lanes(0.0);
+  for (int i = 0; i < model::leg_count; ++i) {
+    const auto leg = static_cast<std::size_t>(i);
+    const auto compliance = legs.beams[leg].compliance(at.s[i], legs.compression[leg]);
+    const double f = compliance.f, k_s = legs.k_s[i], gap = legs.gap[i], k_c = legs.k_c[i];
+    const double delta = seal_offset(size[i], f, k_s, gap, k_c);
+    const auto contact = guide_contact(delta, gap, k_c);
+    at.bending.set(i, f);
+    at.bending_slope.set(i, compliance.f_s);
+    secant.set(i, k_s + contact.secant);
+    across.set(i, 1.0 / (1.0 + f * (k_s + contact.secant)));
+    along.set(i, 1.0 / (1.0 + f * (k_s + std::max(contact.tangent, contact.secant))));
+  }
+  ratio = across;  // δ/d_s
+  at.seal_offset = ratio * at.sleeve_offset;
+  at.bending_force = secant * at.seal_offset;
+  const Lanes tiny(1e-300), per_square = (along - across) / (size * size + tiny);
+  const Vector2L& d = at.sleeve_offset;
+  at.seal_per_offset << across + per_square * d[0] * d[0], per_square * d[0] * d[1],
+      per_square * d[0] * d[1], across + per_square * d[1] * d[1];
+}
+
+/// Rate of δ, and how the bow moves.
+void bend_beams(const LegConstants& legs, bool spinning, LegsInMotion& at) {
+  share_offset(legs, at);
+  const Lanes r1 = at.flexible_rate[0], r2 = at.flexible_rate[1];
+  const Vector2L u_rate(at.flexible_rate[2], at.flexible_rate[3]);
+  const Vector2L slope = -at.sleeve_slopes.col(0);  // τ = e⊥/e_n
+  const Vector2L tilting = r1 * at.sleeve_slopes.col(1) + r2 * at.sleeve_slopes.col(2);  // h τ°
+  const Vector2L rate = u_rate - at.s_rate * slope + tilting;  // d_s° in L
+  at.seal_offset_rate =
+      at.seal_per_offset * Vector2L(rate - (at.bending_slope * at.s_rate) * at.bending_force);
+  if (!spinning)
+    at.seal_offset_rate +=
+        Vector2L(-at.omega[2] * at.seal_offset[1], at.omega[2] * at.seal_offset[0]);
+
+  // d_s°° = h τ°° − 2 ṡ τ°,  τ°° = (e⊥°° − τ e_n°° − 2 τ° e_n°)/e_n
+  const Lanes h = legs.L_g - at.s, per_q = 1.0 / at.e[2];
+  const Vector2L slope_rate =
+      per_q * Vector2L(at.e_bending[0] - slope[0] * at.e_bending[2],
+                       at.e_bending[1] - slope[1] * at.e_bending[2]);
+  Vector2L curvature;
+  for (int k = 0; k < 2; ++k)
+    curvature[k] = h * per_q *
+                       (at.e_curvature[k] - slope[k] * at.e_curvature[2] -
+                        2.0 * slope_rate[k] * at.e_bending[2]) -
+                   2.0 * at.s_rate * slope_rate[k];
+  const auto lateral = [](const Vector2L& v) { return Vector3L(v[0], v[1], Lanes(0.0)); };
+  at.bow = lateral(legs.bow_rest + legs.bow_slope * at.sleeve_offset);
+  at.bow_rate = at.omega.cross(at.bow) + lateral(legs.bow_slope * rate);
+  at.bow_curvature = lateral(legs.bow_slope * curvature);
+}
+
 }  // namespace
 
 Lanes move_legs(const LegConstants& legs, const Vector3L& L, const Vector3L& v_a, bool spinning,
@@ -120,6 +180,7 @@ Lanes move_legs(const LegConstants& legs, const Vector3L& L, const Vector3L& v_a
   turn_and_extend(legs, v_a, at);
   place_points(legs, at);
   deflect_seals(legs, spinning, at);
+  if (flexible && legs.bends) bend_beams(legs, spinning, at);
   return exist;
 }
 

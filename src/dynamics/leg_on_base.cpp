@@ -3,6 +3,7 @@
 #include <stdexcept>
 
 #include "hydrapod/dynamics/leg.hpp"
+#include "leg_beams.hpp"
 
 namespace hydrapod::dynamics {
 
@@ -22,6 +23,8 @@ struct BentGeometry {
   Matrix37 omega{};        ///< rotation of the frame: α̇ a1 + β̇ a2
   Matrix37 e_rate{};       ///< of the rod against the frame, e°
   Matrix37 piston_rate{};  ///< of the piston against the frame
+
+  Matrix37 n_rate{};       ///< ṅ in B
 
   /// Velocity of a point of the rod at `xi` from the piston.
   [[nodiscard]] Matrix37 rod_velocity(double xi) const {
@@ -53,6 +56,7 @@ BentGeometry bent_geometry(const model::Leg& leg, const LegElement& element,
   const Matrix37 rates = A.partialPivLu().solve(left);
   at.omega = at.a1 * rates.row(0) + a2_L * rates.row(1);
   at.piston_rate += n_L * rates.row(2);
+  at.n_rate = -spatial::skew(n_L) * at.omega;
   return at;
 }
 
@@ -83,6 +87,32 @@ Matrix37 spin_momentum(const model::Leg& leg, const BentGeometry& at) {
          leg.gimbal_cross_inertia * at.a1 * alpha;
 }
 
+/// Momentum of the bow, linear and about the base joint.
+void add_bow(const model::Leg& leg, const BentGeometry& at, const LegElement& element,
+             const LegState& state, Matrix37& linear, Matrix37& about_joint) {
+  const auto beams = leg_beams(leg);
+  if (!beams) return;
+  const auto mass = beams->bow_mass(element.l_m, state.rod_compression.value_or(-state.oil_force),
+                                    element.k_s + element.k_contact);
+  // d_s° = u° − ṡ τ + h τ°,  τ = e⊥/e_n
+  const Vector2 tau = at.e.head<2>() / at.e.z();
+  const Eigen::Matrix<double, 2, leg_coordinates> tau_rate =
+      (at.e_rate.topRows<2>() - tau * at.e_rate.row(2)) / at.e.z();
+  const Eigen::Matrix<double, 2, leg_coordinates> d_rate =
+      at.piston_rate.topRows<2>() - tau * at.piston_rate.row(2) + element.l_mh * tau_rate;
+  const Vector3 bow(element.bending_force[0], element.bending_force[1], 0.0);
+  Matrix37 bow_rate = -spatial::skew(bow) * at.omega;
+  bow_rate.topRows<2>() += InSeries(element).F_d * d_rate;
+  const auto about = [&](const Vector3& arm, const Matrix37& arm_rate) {
+    return Matrix37(spatial::skew(arm) * bow_rate + spatial::skew(bow) * arm_rate);
+  };
+  linear -= mass.moment * bow_rate;
+  about_joint += mass.around * about(n_L, at.n_rate) -
+                 mass.piston * about(at.piston, at.rod_velocity(0.0)) -
+                 mass.tilt * about(at.e, at.e_rate - spatial::skew(at.e) * at.omega) +
+                 mass.self * spatial::skew(bow) * bow_rate;
+}
+
 }  // namespace
 
 LegOnBase leg_on_base(const model::Leg& leg, const Vector3& a, model::FlexibleAxes axes,
@@ -105,8 +135,11 @@ LegOnBase leg_on_base(const model::Leg& leg, const Vector3& a, model::FlexibleAx
   const bool gimbal = axes == model::FlexibleAxes::gimbal;
   if (gimbal) about_joint += spin_momentum(leg, at);
 
+  Matrix37 linear = p_tube + p_rod;
+  add_bow(leg, at, bent.element, state, linear, about_joint);
+
   LegOnBase on_base;
-  on_base.momentum.topRows<3>() = R * (p_tube + p_rod);
+  on_base.momentum.topRows<3>() = R * linear;
   on_base.momentum.bottomRows<3>() =
       R * about_joint + spatial::skew(b) * on_base.momentum.topRows<3>();
   on_base.inertia =

@@ -6,6 +6,7 @@
 #include "hydrapod/dynamics/nonlinear.hpp"
 #include "hydrapod/numerics/dense.hpp"
 #include "leg_beams.hpp"
+#include "payload_motion.hpp"
 
 namespace hydrapod::dynamics {
 
@@ -61,7 +62,13 @@ struct LegConstants {
   Lanes bow_piston, bow_tilt, bow_case, bow_self, bow_moment;  ///< BowMass
   Lanes joint_viscous, joint_coulomb, joint_smoothing;
   Lanes real;  ///< 1 for legs, 0 for the lanes that are none
+  PayloadConstants payload;
 };
+
+/// Rods and cases as beams. Their compression and the mass of their bows are kept as they are in
+/// the static equilibrium at the reference pose; straight legs stand in where there is none.
+void add_beams(const model::Machine& machine, ModelKind kind, const spatial::Pose& X_reference,
+               const kinematics::LegGeometries& geometry, LegConstants& to);
 
 /// The legs side by side that `motion` has room for.
 inline LegsInMotion& side_by_side(Motion& motion) {

@@ -11,6 +11,7 @@
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/spatial/pose.hpp"
 #include "oil_chambers.hpp"
+#include "payload.hpp"
 #include "statics_search.hpp"
 
 namespace hydrapod::dynamics {
@@ -109,7 +110,8 @@ std::vector<int> base_directions(const model::Machine& machine) {
 }
 
 int degrees_of_freedom(const model::Machine& machine, ModelKind kind) {
-  return degrees_of_freedom(kind) + static_cast<int>(base_directions(machine).size());
+  return degrees_of_freedom(kind) + static_cast<int>(base_directions(machine).size()) +
+         static_cast<int>(machine.payload_modes.size());
 }
 
 std::vector<std::string> coordinate_names(ModelKind kind, const std::vector<int>& base_directions,
@@ -121,7 +123,7 @@ std::vector<std::string> coordinate_names(ModelKind kind, const std::vector<int>
       names.push_back(fmt::format("leg{}.{}", leg, flexible[k]));
   for (const int k : base_directions)
     names.push_back(fmt::format("base.{}", spatial::direction_name(k)));
-  for (const auto& name : payload) names.push_back("payload." + name);
+  for (const auto& mode : payload) names.push_back("payload." + mode);
   return names;
 }
 
@@ -161,11 +163,13 @@ LinearModel assembled(const model::Machine& machine, const spatial::Pose& X_BP, 
   const auto geometry = kinematics::inverse_kinematics(machine, X_BP);
   const int dof = degrees_of_freedom(kind);
   model.platform_mass = platform_mass(machine.platform, X_BP.R_BP);
+  const Matrix6 M_platform = model.platform_mass;  // with what swings
+  set_payload(machine, model);
   model.against_base = PlatformRows::Identity(6, model.dof());
   model.M.setZero(dof, dof);
   model.K.setZero(dof, dof);
   model.C.setZero(dof, dof);
-  model.M.topLeftCorner<6, 6>() = model.platform_mass;
+  model.M.topLeftCorner<6, 6>() = M_platform;
 
   if (machine.gravity.isZero(0.0)) {
     model.statics.status = StaticsStatus::converged;
@@ -191,6 +195,7 @@ LinearModel assembled(const model::Machine& machine, const spatial::Pose& X_BP, 
     add_legs(&LegElement::M, model, M_legs);
     add_base_coordinates(machine, *on_base, M_legs, model);
   }
+  add_payload(machine, model);
   if (!model.arms.empty()) point_arms(model);
   if (elastomers) require_slow_stiffness(model);
   if (chambers && !base.empty()) damp_mount(machine, model);
@@ -221,7 +226,10 @@ LinearModel linear_model(const model::Machine& machine, const spatial::Pose& X_B
 
 LinearModel neighbour_model(const model::Machine& machine, const spatial::Pose& X_BP,
                             const LinearModel& center) {
-  constexpr double first_order = 1e-6;
+  // Newton's step does not know how the compression of rods that bend changes their compliance: what
+  // is left after one is of first order.
+  const double first_order =
+      model::has_elastic_legs(machine) ? StaticsOptions{}.tolerance : 1e-6;
   return assembled_for(machine, X_BP, center.kind, center.base_directions,
                        {.tolerance_after_step = first_order, .start = &center.statics});
 }

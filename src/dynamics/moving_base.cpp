@@ -21,6 +21,7 @@ LinearModel rigid_machine(const NonlinearModel& model, const double* y) {
   model.motion(y, still.data(), motion);
   auto machine = model.machine();
   machine.base_mount.reset();
+  machine.payload_modes.clear();
   return linear_model(machine, motion.X_BP, ModelKind::rigid);
 }
 

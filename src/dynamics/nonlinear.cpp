@@ -136,8 +136,9 @@ bool has_joint_friction(const model::Machine& machine) {
 template <int n>
 class Assembly {
  public:
-  Assembly(const Motion& motion, const model::Platform& platform, const LegSurroundings& around)
-      : motion_(motion), platform_(platform), around_(around) {}
+  Assembly(const Motion& motion, const model::Platform& platform, const LegSurroundings& around,
+           const PayloadInMotion& payload)
+      : motion_(motion), platform_(platform), around_(around), payload_(payload) {}
 
   /// v̇; with `momentum` also v̇ per acceleration of the base, into `per_base`.
   void solve(const Vector6& wrench, double* v_rate, const BaseMomentum* momentum = nullptr,
@@ -162,9 +163,11 @@ class Assembly {
     M.bottomRightCorner<3, 3>() += inertia;
     if (around_.joint_friction)
       for (int k = 0; k < 3; ++k) force[3 + k] += legs.joint_moment[k].sum();
+    payload_.eliminate(M, force);
     const Eigen::LLT<Matrix6> factors(M);  // reads the lower half
     const Vector6 acceleration = factors.solve(force);
     store(acceleration, v_rate);
+    payload_.accelerations(acceleration, v_rate + 6 + model::leg_count * n);
     if constexpr (n > 0) {
       Eigen::Matrix<Lanes, 6, 1> everywhere;
       for (int k = 0; k < 6; ++k) everywhere[k] = Lanes(acceleration[k]);
@@ -199,7 +202,7 @@ class Assembly {
   /// −M⁻¹ Pᵀ: what an acceleration of the base brings against the coordinates, legs eliminated.
   void respond(const LegEquations<n>& legs, const JacobianL& J, const Eigen::LLT<Matrix6>& factors,
                const BaseMomentum& momentum, BaseResponse& per_base) const {
-    per_base.resize(6 + model::leg_count * n, 6);
+    per_base.resize(momentum.cols(), 6);
     for (int b = 0; b < 6; ++b) {
       Vector6 force = -momentum.row(b).template head<6>().transpose();
       Eigen::Matrix<Lanes, n, 1> inner;
@@ -209,8 +212,13 @@ class Assembly {
         const Vector3L r = legs.X * (legs.M_ff_inverse * inner);
         for (int k = 0; k < 6; ++k) force[k] += J.col(k).dot(r).sum();
       }
+      const int modes = payload_.count;
+      const PayloadInMotion::Modes swings = momentum.row(b).tail(modes).transpose();
+      if (modes > 0) force += payload_.L * swings;
       const Vector6 acceleration = factors.solve(force);
       per_base.col(b).template head<6>() = acceleration;
+      if (modes > 0)
+        per_base.col(b).tail(modes) = -(swings + payload_.L.transpose() * acceleration);
       if constexpr (n > 0) {
         Eigen::Matrix<Lanes, 6, 1> everywhere;
         for (int k = 0; k < 6; ++k) everywhere[k] = Lanes(acceleration[k]);
@@ -237,6 +245,7 @@ class Assembly {
   const Motion& motion_;
   const model::Platform& platform_;
   const LegSurroundings& around_;
+  const PayloadInMotion& payload_;
 };
 
 /// Calls `use` with the number of flexible coordinates per leg as a constant.
@@ -273,8 +282,11 @@ NonlinearModel::NonlinearModel(const model::Machine& machine, ModelKind kind,
     piston_axes_[i] = Vector3(1.0, 0.0, frame.tan_gimbal).normalized();
   }
   if (spinning_ && kind != ModelKind::rigid) turn_piston_axes(X_reference);
-  constants_ = std::make_shared<const LegConstants>(
-      gather_constants(machine_, axes_, piston_axes_, geometry));
+  weight_at_rest_ = X_reference.R_BP.transpose() * machine_.gravity;
+  auto constants = gather_constants(machine_, axes_, piston_axes_, geometry);
+  constants.payload = PayloadConstants(machine_, weight_at_rest_);
+  add_beams(machine_, kind, X_reference, geometry, constants);
+  constants_ = std::make_shared<const LegConstants>(constants);
 }
 
 /// To where the gimbals' axes are when the legs are bent by gravity.
@@ -301,10 +313,15 @@ void NonlinearModel::configuration(const spatial::Pose& X_BP,
   store(Vector3(q.vec()), y + 4);
   for (int i = 0; i < model::leg_count; ++i)
     for (int k = 0; k < flexible(); ++k) y[7 + flexible() * i + k] = legs[i].flexible[k];
+  const Vector6 payload = constants_->payload.at_rest(X_BP.R_BP.transpose() * machine_.gravity);
+  std::copy(payload.data(), payload.data() + payload_count(), y + positions() - payload_count());
 }
 
 StaticEquilibrium NonlinearModel::equilibrium(const spatial::Pose& X_BP) const {
-  auto rest = static_equilibrium(machine_, X_BP, kind_);
+  StaticsOptions options;
+  if (constants_->bends)
+    options.rod_compression = Eigen::Map<const Vector6>(constants_->compression.data());
+  auto rest = rest_with_payload(machine_, X_BP, kind_, constants_->payload, options);
   const auto geometry = kinematics::inverse_kinematics(machine_, X_BP);
   if (rest.status == StaticsStatus::converged)
     for (int i = 0; i < model::leg_count; ++i)
@@ -320,6 +337,11 @@ void NonlinearModel::motion(const double* y, const double* v, Motion& motion) co
   motion.X_BP.p_BP = motion.p_BC - motion.X_BP.R_BP * machine_.platform.mass_center;
   motion.twist = Eigen::Map<const Vector6>(v);
   const Vector3 velocity = motion.twist.head<3>(), omega = motion.twist.tail<3>();
+  const int modes = payload_count(), first = velocities() - modes;
+  for (int k = 0; k < modes; ++k) {
+    motion.payload[k] = y[first + 1 + k];
+    motion.payload_rate[k] = v[first + k];
+  }
   auto& lanes = side_by_side(motion);
   lanes.flexible.setConstant(Lanes(0.0));
   lanes.flexible_rate.setConstant(Lanes(0.0));
@@ -331,6 +353,7 @@ void NonlinearModel::motion(const double* y, const double* v, Motion& motion) co
   const Vector3L L = broadcast(motion.p_BC) + lanes.arm - constants_->b;
   const Vector3L v_a = broadcast(velocity) + broadcast(omega).cross(lanes.arm);
   const Lanes exist = move_legs(*constants_, L, v_a, spinning_, n > 0, lanes);
+  const bool bends = constants_->bends;
   for (int i = 0; i < model::leg_count; ++i) {
     auto& leg = motion.legs[i];
     leg.exists = exist[i] > 0.0;
@@ -339,7 +362,8 @@ void NonlinearModel::motion(const double* y, const double* v, Motion& motion) co
     leg.s = lanes.s[i];
     leg.s_rate = lanes.s_rate[i];
     for (int k = 0; k < n; ++k) leg.flexible[k] = lanes.flexible[k][i];
-    leg.sleeve_offset << lanes.sleeve_offset[0][i], lanes.sleeve_offset[1][i];
+    const auto& offset = bends ? lanes.seal_offset : lanes.sleeve_offset;
+    leg.sleeve_offset << offset[0][i], offset[1][i];
   }
 }
 
@@ -372,8 +396,9 @@ LegSurroundings NonlinearModel::surroundings(const Motion& motion, const Loads& 
 
 void NonlinearModel::accelerations(const Motion& motion, const Loads& loads, double* v_rate) const {
   const LegSurroundings around = surroundings(motion, loads);
+  const PayloadInMotion payload(constants_->payload, motion, machine_.gravity);
   with_flexible(kind_, [&](auto n) {
-    Assembly<n()>(motion, machine_.platform, around).solve(loads.wrench, v_rate);
+    Assembly<n()>(motion, machine_.platform, around, payload).solve(loads.wrench, v_rate);
   });
 }
 
@@ -381,8 +406,9 @@ void NonlinearModel::accelerations(const Motion& motion, const Loads& loads,
                                    const BaseMomentum& momentum, double* v_rate,
                                    BaseResponse& per_base) const {
   const LegSurroundings around = surroundings(motion, loads);
+  const PayloadInMotion payload(constants_->payload, motion, machine_.gravity);
   with_flexible(kind_, [&](auto n) {
-    Assembly<n()>(motion, machine_.platform, around)
+    Assembly<n()>(motion, machine_.platform, around, payload)
         .solve(loads.wrench, v_rate, &momentum, &per_base);
   });
 }
@@ -398,8 +424,11 @@ Eigen::MatrixXd NonlinearModel::mass_matrix(const Motion& motion) const {
                                motion.twist.tail<3>(),
                                broadcast(Vector3(Vector3::Zero())),
                                Lanes(0.0)};
-  with_flexible(kind_,
-                [&](auto n) { Assembly<n()>(motion, machine_.platform, around).add_mass(M); });
+  const PayloadInMotion payload(constants_->payload, motion, machine_.gravity);
+  with_flexible(kind_, [&](auto n) {
+    Assembly<n()>(motion, machine_.platform, around, payload).add_mass(M);
+  });
+  payload.add_mass(M, velocities() - payload.count);
   return M;
 }
 
@@ -420,6 +449,7 @@ Energies NonlinearModel::energies(const Motion& motion) const {
     twice += legs.I_ta * spin.of_case * spin.of_case + legs.I_ra * spin.of_rod * spin.of_rod +
              legs.I_c * at.alpha * at.alpha;
   }
+  if (legs.bends) twice += bow_energy(at, legs);
   energy.legs = 0.5 * twice.sum();
   energy.gravity = -platform.mass * machine_.gravity.dot(motion.p_BC);
   for (const auto& leg : machine_.legs)
@@ -429,15 +459,19 @@ Energies NonlinearModel::energies(const Motion& motion) const {
   const Lanes weight = legs.m_t_r_b * g_L[2] + legs.m_g * g_L.dot(at.g);
   energy.gravity -= weight.sum();
   if (kind_ != ModelKind::rigid) {
-    const Lanes sleeves = legs.k_s * at.sleeve_offset.dot(at.sleeve_offset);
+    const Vector2L& offset = legs.bends ? at.seal_offset : at.sleeve_offset;
+    const Lanes sleeves = legs.k_s * offset.dot(offset);
     energy.sleeves = 0.5 * sleeves.sum();
     if (legs.guide_contact) energy.sleeves += guide_energy(at, legs).sum();
+    if (legs.bends)
+      energy.bending = 0.5 * Lanes(at.bending * at.bending_force.dot(at.bending_force)).sum();
   }
   if (kind_ == ModelKind::full) {
     const Lanes rings =
         legs.k_g * (at.flexible[2] * at.flexible[2] + at.flexible[3] * at.flexible[3]);
     energy.rings = 0.5 * rings.sum();
   }
+  add_payload_energies(legs.payload, motion, machine_.gravity, energy);
   return energy;
 }
 
@@ -449,11 +483,13 @@ double NonlinearModel::dissipation(const Motion& motion) const {
     power += turning.base_slope * turning.base_rate.dot(turning.base_rate) +
              turning.platform_slope * turning.platform_rate.dot(turning.platform_rate);
   }
-  if (kind_ != ModelKind::rigid)
-    power += constants_->c_s * at.sleeve_offset_rate.dot(at.sleeve_offset_rate);
+  if (kind_ != ModelKind::rigid) {
+    const Vector2L& rate = constants_->bends ? at.seal_offset_rate : at.sleeve_offset_rate;
+    power += constants_->c_s * rate.dot(rate);
+  }
   if (kind_ == ModelKind::full)
     power += constants_->c_ring * at.ring_offset_rate.dot(at.ring_offset_rate);
-  return power.sum();
+  return power.sum() + payload_dissipation(constants_->payload, motion);
 }
 
 }  // namespace hydrapod::dynamics

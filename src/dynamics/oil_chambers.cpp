@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "hydrapod/base/error.hpp"
-#include "hydrapod/dynamics/equivalent.hpp"
+#include "hydrapod/dynamics/linear_model.hpp"
 #include "hydrapod/hydraulics/servo_axis.hpp"
 
 namespace hydrapod::dynamics {
@@ -72,7 +72,10 @@ void damp_mount(const model::Machine& machine, LinearModel& model) {
   for (const auto& leg : model.legs_on_base) inertia += leg.inertia;
   Matrix6 carried = Matrix6::Identity();
   carried.topRightCorner<3, 3>() = -spatial::skew(model.p_BC);
-  inertia += carried.transpose() * model.platform_mass * carried;
+  const Matrix6 swinging = model.payload * model.payload.transpose();
+  const Matrix6 platform =
+      model.payload_count() == 0 ? model.platform_mass : Matrix6(model.platform_mass + swinging);
+  inertia += carried.transpose() * platform * carried;
   for (int k = 0; k < model.base_count(); ++k) {
     const int direction = model.base_directions[static_cast<std::size_t>(k)];
     const double stiffness = model.k_mount[direction];

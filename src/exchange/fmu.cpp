@@ -71,6 +71,8 @@ Parity parity_of(const FmuMachine& fmu, bool has_sources) {
                       "inputs; they stand for all of the hydraulics, also for the oil springs"});
   if (fmu.machine.base_mount)
     parity.push_back({Held::exact, "compliant base", "states of its motion"});
+  if (!fmu.machine.payload_modes.empty())
+    parity.push_back({Held::exact, "modes of the payload", "two states each"});
   parity.push_back({Held::approximate, "motion in co-simulation",
                     "within the tolerance that the environment gives, 1e-6 unless it gives one"});
   parity.push_back({Held::approximate, "derivatives for the environment",

@@ -19,7 +19,10 @@ bool is_of_legs(const ParameterRow& row) {
   return row.path.starts_with(model::of_legs) || row.path.starts_with("leg.");
 }
 
-int places(const ParameterRow& row) { return is_of_legs(row) ? model::leg_count : 1; }
+int places(const ParameterRow& row, const model::Machine& machine) {
+  if (row.path.starts_with("payload_modes.")) return static_cast<int>(machine.payload_modes.size());
+  return is_of_legs(row) ? model::leg_count : 1;
+}
 
 bool holds_numbers(const ParameterRow& row) {
   return row.find != nullptr && !row.path.starts_with(of_poses);
@@ -29,7 +32,7 @@ bool holds_numbers(const ParameterRow& row) {
 Json numbers_json(model::Machine& machine, const ParameterRow& row) {
   Json list = Json::array();
   bool any = false;
-  for (int of = 0; of < places(row); ++of) {
+  for (int of = 0; of < places(row, machine); ++of) {
     Json elements = Json::array();
     for (int element = 0; element < row.numbers; ++element) {
       const double* number = row.find(machine, of, element);
@@ -43,12 +46,12 @@ Json numbers_json(model::Machine& machine, const ParameterRow& row) {
 
 Json words_json(const model::Machine& machine, const ParameterRow& row) {
   Json list = Json::array();
-  for (int of = 0; of < places(row); ++of) list.push_back(row.word(machine, of));
+  for (int of = 0; of < places(row, machine); ++of) list.push_back(row.word(machine, of));
   return list;
 }
 
 void take_numbers(const Json& list, const ParameterRow& row, model::Machine& machine) {
-  for (int of = 0; of < places(row); ++of)
+  for (int of = 0; of < static_cast<int>(list.size()); ++of)
     for (int element = 0; element < row.numbers; ++element) {
       const auto& value =
           list.at(static_cast<std::size_t>(of)).at(static_cast<std::size_t>(element));
@@ -62,7 +65,7 @@ void take_numbers(const Json& list, const ParameterRow& row, model::Machine& mac
 
 /// The first word of a row is its default, also of parts that the machine does not have.
 void take_words(const Json& list, const ParameterRow& row, model::Machine& machine) {
-  for (int of = 0; of < places(row); ++of)
+  for (int of = 0; of < places(row, machine); ++of)
     if (const int word = list.at(static_cast<std::size_t>(of)).get<int>(); word != 0)
       row.set_word(machine, of, word);
 }

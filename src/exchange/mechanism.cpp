@@ -93,13 +93,19 @@ struct AddedDamping {
 void add_sleeve(const model::Leg& leg, const dynamics::LegElement& element, const RodTurn& turn,
                 const Eigen::Vector2d& u, const AddedDamping& added, LegMechanism& out) {
   const auto offset = sleeve_offset(turn, leg.guide_sleeve.position - out.p_LR.z(), u);
-  const double k_s = leg.guide_sleeve.stiffness;
-  const double k = k_s + element.k_contact;  // secant, with the guide ring on which the rod lies
+  // Rod and case that bend are in series with seal and guide ring.
+  const double f = element.bending;
+  const double seal = leg.guide_sleeve.stiffness, series = 1.0 + f * seal;
+  const double k_s = seal / series;
+  const double secant = seal + element.k_contact;  // with the guide ring on which the rod lies
+  const double k = secant / (1.0 + f * secant);
   const double omega = std::sqrt(k_s / element.M(3, 3)) * std::abs(element.l_mh);
-  const double c = leg.guide_sleeve.damping + added.beside(k_s, omega);
+  const double c = leg.guide_sleeve.damping / (series * series) + added.beside(k_s, omega);
   out.sleeve_damping = c;
-  const Vector5 stiffening =
-      element.contact_root[0] * offset.J[0] + element.contact_root[1] * offset.J[1];
+  const double tangent = secant + element.contact_root.squaredNorm();
+  const double of_chords = 1.0 / std::sqrt((1.0 + f * secant) * (1.0 + f * tangent));
+  const Vector5 stiffening = of_chords * (element.contact_root[0] * offset.J[0] +
+                                          element.contact_root[1] * offset.J[1]);
   Matrix5 bend = stiffening * stiffening.transpose();
   for (std::size_t i = 0; i < 2; ++i) bend += k * offset.d[i] * offset.H[i];
   for (Eigen::Index j = 0; j < 2; ++j) {
@@ -232,12 +238,19 @@ Mechanism mechanism(const Machine& machine, const Pose& X_BP, dynamics::ModelKin
         {Held::approximate, "oil damping (damping.oil = \"chambers\")",
          fmt::format("dampers beside the springs, exact at {:.4g} Hz", oil_omega / base::two_pi)});
   add_damping_parity(chambers ? without_springs(machine) : machine, ratio, result.parity);
+  if (kind != dynamics::ModelKind::rigid && model::has_elastic_legs(machine))
+    result.parity.push_back({Held::approximate, "bending of rods and cases",
+                             "a spring in series with the guide sleeve at this pose; mass stays on "
+                             "the straight lines between the joints and the piston"});
   if (modes.omega2[0] < 0.0)
     result.parity.push_back(
         {Held::exact, "UNSTABLE at this pose",
          "the legs buckle; the file moves away from this rest as the machine does"});
   if (machine.base_mount)
     result.parity.push_back({Held::absent, "compliant base", "the base stands still in the file"});
+  if (!machine.payload_modes.empty())
+    result.parity.push_back(
+        {Held::absent, "modes of the payload", "platform and payload are one rigid body in the file"});
   return result;
 }
 

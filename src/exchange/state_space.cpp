@@ -62,13 +62,15 @@ Eigen::Matrix<double, 6, 1> pose_numbers(const Pose& X_BP) {
 Signals mechanics_states(const dynamics::LinearModel& linear,
                          const std::vector<dynamics::RelaxingArm>& arms) {
   Signals states;
-  const auto names = dynamics::coordinate_names(linear.kind, linear.base_directions);
+  const auto names =
+      dynamics::coordinate_names(linear.kind, linear.base_directions, linear.payload_names);
   for (int rate = 0; rate < 2; ++rate)
     for (std::size_t i = 0; i < names.size(); ++i) {
       const auto& name = names[i];
-      const bool angle = i < 6                     ? i >= 3
-                         : name.find("base.") == 0 ? name.find("base.r") == 0
-                                                   : name.find(".phi") != std::string::npos;
+      const bool angle = i < 6                            ? i >= 3
+                         : name.starts_with("base.")    ? name.starts_with("base.r")
+                         : name.starts_with("payload.") ? false  // for a modal mass of 1 kg
+                                                        : name.find(".phi") != std::string::npos;
       states.push_back({name + (rate == 1 ? "_rate" : ""),
                         std::string(angle ? "rad" : "m") + (rate == 1 ? "/s" : ""), 0.0});
     }

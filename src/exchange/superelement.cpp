@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -87,17 +88,17 @@ Superelement superelement(const Machine& machine, const Pose& X_BP,
   const auto modes = modal::normal_modes(linear);
   const auto moved =
       response::response_model(linear, modes, model::modal_ratio(machine).value, options.p_PQ);
-  const Index n = linear.dof(), moving = linear.base_count(), legs = n - 6 - moving,
-              held = 6 + moving;
+  const Index n = linear.dof(), beyond = linear.beyond_legs(), legs = n - 6 - beyond,
+              held = 6 + beyond;
   const Index kept = options.leg_modes < 0 ? legs : options.leg_modes;
   if (kept > legs)
     base::refuse(
         fmt::format("--leg-modes {}", kept),
         fmt::format("the legs of the {} model have {} modes", dynamics::name(options.kind), legs));
-  std::vector<Index> order;  // platform, base, legs
+  std::vector<Index> order;  // platform, base, payload, legs
   for (Index i = 0; i < 6; ++i) order.push_back(i);
-  for (Index i = n - moving; i < n; ++i) order.push_back(i);
-  for (Index i = 6; i < n - moving; ++i) order.push_back(i);
+  for (Index i = n - beyond; i < n; ++i) order.push_back(i);
+  for (Index i = 6; i < n - beyond; ++i) order.push_back(i);
   const MatrixXd M = MatrixXd(moved.M)(order, order), K = MatrixXd(moved.K)(order, order),
                  C = MatrixXd(response::damping_matrix(moved))(order, order);
   MatrixXd T = MatrixXd::Zero(n, held + kept);
@@ -124,6 +125,8 @@ Superelement superelement(const Machine& machine, const Pose& X_BP,
     element.coordinates.push_back(
         {std::string("base.") + spatial::direction_names[static_cast<std::size_t>(d)],
          d < 3 ? "m" : "rad", 0.0});
+  for (const auto& mode : linear.payload_names)
+    element.coordinates.push_back({"payload." + mode, "m sqrt(kg)", 0.0});
   for (Index k = 1; k <= kept; ++k)
     element.coordinates.push_back({fmt::format("leg mode {}", k), "m sqrt(kg)", 0.0});
   return element;
@@ -148,8 +151,12 @@ std::string dmig_punch(const Superelement& element, const FileHead& head) {
   std::string text = fmt::format(
       "$ {}\n$ Superelement in SI units: m, kg, s, N, rad. Basic coordinates are the base frame.\n"
       "$ Case control: K2GG = K2HYD, M2GG = M2HYD, B2GG = B2HYD.\n"
-      "$ {}: platform; {}: base; from {}: modes of the legs with the interface held.\n",
-      head.title, dmig_platform, dmig_base, dmig_mode);
+      "$ {}: platform; {}: base; from {}: modes of {}the legs with the interface held.\n",
+      head.title, dmig_platform, dmig_base, dmig_mode,
+      std::ranges::any_of(element.coordinates,
+                          [](const Signal& c) { return c.name.starts_with("payload."); })
+          ? "the payload, then of "
+          : "");
   text += grid(dmig_platform, element.p_BQ);
   if (!element.base_directions.empty()) text += grid(dmig_base, Vector3::Zero());
   const Index real = element.platform + static_cast<Index>(element.base_directions.size());

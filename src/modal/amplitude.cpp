@@ -1,12 +1,12 @@
-#include "hydrapod/modal/amplitude.hpp"
+#include "hydrapod/modal/damped_modes.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
-#include "hydrapod/dynamics/equivalent.hpp"
+#include "hydrapod/dynamics/linear_model.hpp"
+#include "hydrapod/hydraulics/servo_axis.hpp"
 #include "hydrapod/modal/normal_modes.hpp"
-#include "hydrapod/modal/mode_table.hpp"
 
 namespace hydrapod::modal {
 
@@ -145,7 +145,7 @@ class Swinging {
     constexpr double least = 1e-12;
     if (friction.breakaway == 0.0) return;
     const auto equivalent =
-        dynamics::friction_equivalent(friction, std::max(amplitude, least), omega);
+        hydraulics::friction_equivalent(friction, std::max(amplitude, least), omega);
     model.K += equivalent.stiffness * rows_[k].piston * rows_[k].piston.transpose();
     model.C += equivalent.damping * rows_[k].piston * rows_[k].piston.transpose();
   }
@@ -168,32 +168,80 @@ std::pair<int, double> most_like(const NormalModes& modes, const ModelMatrix& M,
   return {static_cast<int>(best), most};
 }
 
-/// Follows one mode to the amplitude of `point`; `shape` and `omega` are where it begins and ends.
-void follow(const Swinging& swinging, const AmplitudeOptions& options, ModelVector& shape,
-            double& omega, ModeAtAmplitude& point) {
-  const auto& M = swinging.linear().M;
-  // Half of each step: a shape that jumps to and fro over the edge of a gap comes to rest.
-  constexpr double share = 0.5;
-  ModelVector y = swinging.scaled(shape, point.amplitude);
-  for (int k = 0; k < options.most_iterations; ++k) {
-    const auto model = swinging.at(y, omega, point);
-    const auto modes = normal_modes(model);
-    const auto [mode, mac] = most_like(modes, M, y);
-    if (mac < options.least_mac || !(modes.omega2[mode] > 0.0)) return;
-    ModelVector found = modes.shapes.col(mode);
-    if (found.dot(M * y) < 0.0) found = -found;
-    const double change = std::abs(modes.omega(mode) - omega);
-    omega = modes.omega(mode);
-    y += share * (swinging.scaled(found, point.amplitude) - y);
-    y = swinging.scaled(y, point.amplitude);
-    if (change > options.tolerance * omega) continue;
-    shape = point.shape = found;
-    point.omega = omega;
-    point.damping_ratio = swinging.damping_ratio(model, found, omega);
-    point.converged = true;
-    return;
+/// One mode on its way from amplitude to amplitude.
+class Follower {
+ public:
+  Follower(const Swinging& swinging, const AmplitudeOptions& options, int mode)
+      : swinging_(swinging),
+        options_(options),
+        first_(swinging.modes().shapes.col(mode)),
+        y_(first_),
+        omega_(swinging.modes().omega(mode)) {}
+
+  /// To the amplitude of `point`. False where the mode is lost or the iteration does not end.
+  bool to(ModeAtAmplitude& point) {
+    const double wanted = point.amplitude;
+    if (amplitude_ == 0.0) amplitude_ = wanted;
+    const int steps = std::max(
+        1, static_cast<int>(std::ceil(std::log(wanted / amplitude_) / std::log(options_.largest_ratio))));
+    const double ratio = std::pow(wanted / amplitude_, 1.0 / steps);
+    for (int k = 1; k <= steps; ++k) {
+      amplitude_ = k == steps ? wanted : amplitude_ * ratio;
+      if (!balance(point)) return false;
+    }
+    return true;
   }
-}
+
+ private:
+  /// Fixed point y = the mode at y, scaled: steps along the change, as long as Aitken's method finds
+  /// them good (Küttler & Wall, Comput. Mech. 43 (2008) 61). Near the edge of a gap the whole change
+  /// would jump to and fro.
+  bool balance(ModeAtAmplitude& point) {
+    const auto& M = swinging_.linear().M;
+    constexpr double first_share = 0.3, least_share = 0.01, whole = 1.0;
+    double share = first_share;
+    ModelVector before;
+    y_ = swinging_.scaled(y_, amplitude_);
+    for (int k = 0; k < options_.most_iterations; ++k) {
+      const auto model = swinging_.at(y_, omega_, point);
+      const auto modes = normal_modes(model);
+      const auto [mode, mac] = most_like(modes, M, y_);
+      if (mac < options_.least_mac || !(modes.omega2[mode] > 0.0)) return false;
+      ModelVector shape = modes.shapes.col(mode);
+      if (shape.dot(M * y_) < 0.0) shape = -shape;
+      const double change = std::abs(modes.omega(mode) - omega_);
+      omega_ = modes.omega(mode);
+      const ModelVector residual = swinging_.scaled(shape, amplitude_) - y_;
+      const double size = y_.dot(M * y_), left = residual.dot(M * residual);
+      if (change <= options_.tolerance * omega_ && left <= options_.tolerance * size) {
+        finish(model, shape, point);
+        return true;
+      }
+      if (before.size() > 0) {
+        const ModelVector turn = residual - before;
+        const double per_share = before.dot(M * turn) / turn.dot(M * turn);
+        share = std::clamp(-share * per_share, least_share, whole);
+      }
+      y_ += share * residual;
+      before = residual;
+    }
+    return false;
+  }
+
+  void finish(const LinearModel& model, const ModelVector& shape, ModeAtAmplitude& point) const {
+    const auto& M = swinging_.linear().M;
+    point.shape = shape;
+    point.omega = omega_;
+    point.damping_ratio = swinging_.damping_ratio(model, shape, omega_);
+    point.mac = std::pow(first_.dot(M * shape), 2) / shape.dot(M * shape);
+    point.converged = true;
+  }
+
+  const Swinging& swinging_;
+  const AmplitudeOptions& options_;
+  ModelVector first_, y_;
+  double omega_, amplitude_{};
+};
 
 }  // namespace
 
@@ -211,19 +259,16 @@ std::vector<AmplitudeCurve> modes_at_amplitudes(const model::Machine& machine,
   std::vector<AmplitudeCurve> curves;
   for (int k = 0; k < modes.size(); ++k) {
     const auto& energy = shares[static_cast<std::size_t>(k)];
-    if (energy.platform.sum() < local_mode_energy || !(modes.omega2[k] > 0.0)) continue;
+    if (energy.platform.sum() < options.least_platform || !(modes.omega2[k] > 0.0)) continue;
     AmplitudeCurve curve{.mode = k, .omega = modes.omega(k)};
     energy.platform.maxCoeff(&curve.direction);
-    const ModelVector first = modes.shapes.col(k);
-    ModelVector shape = first;
-    double omega = curve.omega;
+    Follower follower(swinging, options, k);
     for (const double amplitude : amplitudes) {
       ModeAtAmplitude point{.mode = k, .amplitude = amplitude};
-      follow(swinging, options, shape, omega, point);
-      if (point.converged)
-        point.mac = std::pow(first.dot(linear.M * shape), 2) / shape.dot(linear.M * shape);
+      const bool found = follower.to(point);
+      if (!found) point = {.mode = k, .amplitude = amplitude};
       curve.points.push_back(point);
-      if (!point.converged) break;
+      if (!found) break;
     }
     curves.push_back(std::move(curve));
   }

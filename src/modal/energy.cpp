@@ -18,10 +18,11 @@ Numbers sum(const Sextet& parts) {
 
 /// Twice the energies of some shapes, kinetic at ω = 1.
 struct Energies {
-  Sextet platform, legs, oil, guide_sleeve, piston_ring;
+  Sextet platform, legs, oil, guide_sleeve, piston_ring, bending;
   Sextet base{Numbers::Zero(), Numbers::Zero(), Numbers::Zero(),
               Numbers::Zero(), Numbers::Zero(), Numbers::Zero()};
   Numbers base_mount{Numbers::Zero()};
+  Numbers payload{Numbers::Zero()}, payload_elastic{Numbers::Zero()};
   Numbers elastic_and_geometric{Numbers::Zero()};  ///< φᵀ K φ; only where there is preload
 };
 
@@ -88,12 +89,16 @@ void add_leg(const LinearModel& model, int i, const Shapes& y, const Numbers* pl
   e.oil[i] = leg.k_h * product(leg.s_x, x.data(), size).square();
   e.guide_sleeve[i].setZero();
   e.piston_ring[i].setZero();
+  e.bending[i].setZero();
   if constexpr (flexible > 0) {
     const Numbers along_t = product(leg.d_x.row(0), x.data(), size),
                   along_2 = product(leg.d_x.row(1), x.data(), size);
     e.guide_sleeve[i] = (leg.k_s + leg.k_contact) * (along_t.square() + along_2.square());
     if (leg.k_contact > 0.0)
       e.guide_sleeve[i] += (leg.contact_root[0] * along_t + leg.contact_root[1] * along_2).square();
+    if (leg.bending > 0.0)
+      e.bending[i] = leg.bending * (product(leg.F_x.row(0), x.data(), size).square() +
+                                    product(leg.F_x.row(1), x.data(), size).square());
   }
   if constexpr (flexible > 2) e.piston_ring[i] = leg.k_g * (x[5].square() + x[6].square());
 }
@@ -109,6 +114,14 @@ void add_legs_and_base(const LinearModel& model, const Shapes& y, Energies& e) {
   }
 }
 
+void add_payload(const LinearModel& model, const Shapes& y, Energies& e) {
+  for (int k = 0; k < model.payload_count(); ++k) {
+    const Numbers& xi = y[model.first_of_payload() + k];
+    e.payload += (xi + product(model.payload.col(k), y.data(), 6)).square();
+    e.payload_elastic += model.payload_omega2[static_cast<std::size_t>(k)] * xi.square();
+  }
+}
+
 template <int flexible>
 Energies energies(const LinearModel& model, const Shapes& y) {
   Energies e;
@@ -120,6 +133,7 @@ Energies energies(const LinearModel& model, const Shapes& y) {
     for (int i = 0; i < model::leg_count; ++i) add_leg<flexible>(model, i, y, y.data(), e);
     if (model.base_moves) e.base_mount = quadratic(model.K_mount, y.data(), 6);
   }
+  add_payload(model, y, e);
   if (model.statics.iterations > 0)
     e.elastic_and_geometric = quadratic(model.K, y.data(), model.dof());
   return e;
@@ -139,14 +153,22 @@ Energies energies(const LinearModel& model, const Shapes& y) {
 
 /// Makes shares of the energies.
 void normalise(const LinearModel& model, Energies& e) {
-  const Numbers per_kinetic = (sum(e.platform) + sum(e.legs) + sum(e.base)).inverse();
-  const Numbers elastic = sum(e.oil) + sum(e.guide_sleeve) + sum(e.piston_ring) + e.base_mount;
+  Numbers kinetic = sum(e.platform) + sum(e.legs) + sum(e.base);
+  Numbers elastic = sum(e.oil) + sum(e.guide_sleeve) + sum(e.piston_ring) + e.base_mount +
+                    sum(e.bending);
+  if (model.payload_count() > 0) {
+    kinetic += e.payload;
+    elastic += e.payload_elastic;
+  }
+  const Numbers per_kinetic = kinetic.inverse();
   const Numbers per_elastic = elastic.inverse();
   for (Sextet* parts : {&e.platform, &e.legs, &e.base})
     for (Numbers& part : *parts) part *= per_kinetic;
-  for (Sextet* parts : {&e.oil, &e.guide_sleeve, &e.piston_ring})
+  for (Sextet* parts : {&e.oil, &e.guide_sleeve, &e.piston_ring, &e.bending})
     for (Numbers& part : *parts) part *= per_elastic;
   e.base_mount *= per_elastic;
+  e.payload *= per_kinetic;
+  e.payload_elastic *= per_elastic;
   const bool preloaded = model.statics.iterations > 0;  // else there is nothing but rounding
   if (preloaded) e.elastic_and_geometric = (e.elastic_and_geometric - elastic) * per_elastic;
 }
@@ -160,8 +182,11 @@ EnergyShares lane(const Energies& shares, int k) {
     one.oil[i] = shares.oil[i][k];
     one.guide_sleeve[i] = shares.guide_sleeve[i][k];
     one.piston_ring[i] = shares.piston_ring[i][k];
+    one.bending[i] = shares.bending[i][k];
   }
   one.base_mount = shares.base_mount[k];
+  one.payload = shares.payload[k];
+  one.payload_elastic = shares.payload_elastic[k];
   one.preload = shares.elastic_and_geometric[k];
   return one;
 }
@@ -194,9 +219,10 @@ EnergyShares energy_shares(const LinearModel& model, const ModelVector& real,
     y[j][1] = imaginary[j];
   }
   Energies e = energies(model, y);
-  for (Sextet* parts : {&e.platform, &e.legs, &e.base, &e.oil, &e.guide_sleeve, &e.piston_ring})
+  for (Sextet* parts : {&e.platform, &e.legs, &e.base, &e.oil, &e.guide_sleeve, &e.piston_ring,
+                        &e.bending})
     for (Numbers& part : *parts) part[0] += part[1];
-  e.base_mount[0] += e.base_mount[1];
+  for (Numbers* part : {&e.base_mount, &e.payload, &e.payload_elastic}) (*part)[0] += (*part)[1];
   e.elastic_and_geometric[0] += e.elastic_and_geometric[1];
   normalise(model, e);
   return lane(e, 0);

@@ -41,7 +41,11 @@ std::string compliance_text(const EnergyShares& energy) {
   const double oil = energy.oil.sum();
   const double guide = energy.guide_sleeve.sum();
   const double ring = energy.piston_ring.sum();
-  if (energy.base_mount > std::max({oil, guide, ring})) return "base mount";
+  const double bending = energy.bending.sum();
+  if (energy.payload_elastic > std::max({oil, guide, ring, bending, energy.base_mount}))
+    return "payload";
+  if (energy.base_mount > std::max({oil, guide, ring, bending})) return "base mount";
+  if (bending > std::max({oil, guide, ring})) return "bending of " + legs_involved(energy.bending);
   if (oil >= guide && oil >= ring) return "oil springs of " + legs_involved(energy.oil);
   if (guide >= ring) return "guide sleeves of " + legs_involved(energy.guide_sleeve);
   return "piston rings of " + legs_involved(energy.piston_ring);
@@ -78,30 +82,30 @@ AnalysedModel analyse(const model::Machine& machine, const spatial::Pose& X_BP,
   return result;
 }
 
-/// Rows of M of platform and base times a shape: what every kind of model has.
+/// Rows of M of platform, base and payload times a shape: what every kind of model has.
 struct OuterMomentum {
   Vector6 platform{};
-  ModelVector base{};
+  ModelVector beyond{};  ///< base and payload
 
   OuterMomentum(const LinearModel& model, const ModelVector& shape)
       : platform(model.M.topRows<6>() * shape),
-        base(model.M.bottomRows(model.base_count()) * shape) {}
+        beyond(model.M.bottomRows(model.beyond_legs()) * shape) {}
   /// ψᵀ of it; ψ: a shape of the rigid model.
   [[nodiscard]] double dot(const ModelVector& psi) const {
     const Vector6 of_platform = psi.head<6>();
-    return of_platform.dot(platform) + psi.tail(base.size()).dot(base);
+    return of_platform.dot(platform) + psi.tail(beyond.size()).dot(beyond);
   }
 };
 
 /// ψᵀ M_r ψ of a shape of the rigid model.
 double outer_energy(const LinearModel& model, const ModelVector& psi) {
-  const int base = model.base_count();
+  const int beyond = model.beyond_legs();
   const spatial::Matrix6 M_rr = model.M.topLeftCorner<6, 6>();
   const Vector6 of_platform = psi.head<6>();
-  const ModelVector of_base = psi.tail(base);
+  const ModelVector of_beyond = psi.tail(beyond);
   return of_platform.dot(M_rr * of_platform) +
-         of_base.dot(model.M.bottomRightCorner(base, base) * of_base +
-                     2.0 * (model.M.bottomLeftCorner(base, 6) * of_platform));
+         of_beyond.dot(model.M.bottomRightCorner(beyond, beyond) * of_beyond +
+                       2.0 * (model.M.bottomLeftCorner(beyond, 6) * of_platform));
 }
 
 RigidCounterpart counterpart(const LinearModel& model, const std::vector<TabledMode>& rigid,
@@ -141,11 +145,15 @@ std::string platform_directions(const EnergyShares& energy) {
 
 std::string mode_label(const EnergyShares& energy, bool stable) {
   const std::string unstable = stable ? "" : "unstable (buckling): ";
-  if (energy.base.sum() > std::max(energy.platform.sum(), energy.legs.sum()))
+  if (energy.base.sum() > std::max({energy.platform.sum(), energy.legs.sum(), energy.payload}))
     return unstable + "base " + directions_text(energy.base) + ", " + compliance_text(energy);
   if (energy.platform.sum() < local_mode_energy) {
+    if (energy.payload > std::max(energy.base.sum(), energy.legs.sum()))
+      return unstable + "local payload mode";
     const double ring = energy.piston_ring.sum(), guide = energy.guide_sleeve.sum();
-    if (energy.base_mount > ring + guide) return unstable + "local base mode";
+    const double bending = energy.bending.sum();
+    if (energy.base_mount > ring + guide + bending) return unstable + "local base mode";
+    if (bending > std::max(ring, guide)) return unstable + "local bending mode";
     return unstable + (ring > guide ? "local piston-ring mode" : "local seal mode");
   }
   return unstable + platform_directions(energy) + ", " + compliance_text(energy);
@@ -173,6 +181,11 @@ ModelVector in_coordinates(const ModelVector& shape, const LinearModel& from,
     for (int k = 0; k < from.base_count(); ++k)
       if (to.base_directions[j] == from.base_directions[k])
         result[to.first_of_base() + j] = shape[from.first_of_base() + k];
+  for (int j = 0; j < to.payload_count(); ++j)
+    for (int k = 0; k < from.payload_count(); ++k)
+      if (to.payload_names[static_cast<std::size_t>(j)] ==
+          from.payload_names[static_cast<std::size_t>(k)])
+        result[to.first_of_payload() + j] = shape[from.first_of_payload() + k];
   return result;
 }
 

@@ -194,9 +194,9 @@ Eigen::MatrixXd orthonormal(const Eigen::MatrixXd& M, const Eigen::MatrixXd& X) 
   return X + 0.5 * numerics::times(X, Eigen::MatrixXd::Identity(G.rows(), G.cols()) - G);
 }
 
-/// With coordinates of the base: 18 sizes from 7 to 36, of which each would take 10 to 20 s to
-/// compile as those of fixed size do.
-NormalModes solve_with_base(const LinearModel& model) {
+/// With coordinates of base or payload: 36 sizes from 7 to 42, of which each would take 10 to 20 s
+/// to compile as those of fixed size do.
+NormalModes solve_whole(const LinearModel& model) {
   const Eigen::MatrixXd K = model.K, M = model.M;
   if (Eigen::LLT<Eigen::MatrixXd>(M).info() != Eigen::Success)
     throw base::ComputationError(no_mass);
@@ -211,7 +211,7 @@ NormalModes solve_with_base(const LinearModel& model) {
 }
 
 NormalModes solve(const LinearModel& model) {
-  if (model.base_count() > 0) return solve_with_base(model);
+  if (model.beyond_legs() > 0) return solve_whole(model);
   switch (model.kind) {
     case dynamics::ModelKind::guide:
       return solve<2>(model);

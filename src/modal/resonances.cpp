@@ -20,10 +20,10 @@ int first_resonance(const NormalModes& modes, int d, double share) {
 /// Frequency of the rigid mode that holds most of a flexible mode's momentum.
 double rigid_counterpart(const LinearModel& flexible, const ModelVector& phi,
                          const NormalModes& rigid) {
-  const int base = flexible.base_count();
-  ModelVector momentum(6 + base);
+  const int beyond = flexible.beyond_legs();
+  ModelVector momentum(6 + beyond);
   momentum.head<6>() = flexible.M.topRows<6>() * phi;
-  momentum.tail(base) = flexible.M.bottomRows(base) * phi;
+  momentum.tail(beyond) = flexible.M.bottomRows(beyond) * phi;
   int best = 0;
   const ModelVector common = rigid.shapes.transpose() * momentum;
   common.cwiseAbs().maxCoeff(&best);

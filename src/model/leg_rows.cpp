@@ -56,7 +56,7 @@ constexpr ParameterRow of_elastomer(std::string_view path) {
         shown("0.2"));
   if constexpr (which == 3)
     return number<seal..., &Elastomer::frequency>(
-        path, "rad/s", required, usual(0.1, 1e4, positive),
+        path, "Hz", required, usual(0.01, 1e3, positive),
         "at which `dynamic_ratio` and `loss_factor` hold", shown("10 Hz"));
   if constexpr (which == 4)
     return number<seal..., &Elastomer::softening>(
@@ -75,6 +75,7 @@ constexpr ParameterRow of_elastomer(std::string_view path) {
 }
 
 constexpr std::string_view volume_words[]{"chambers", "equal"};
+constexpr std::string_view bending_words[]{"rigid", "elastic"};
 
 constexpr auto oil = &Leg::oil_spring;
 constexpr auto cylinder = &OilSpring::cylinder;
@@ -103,6 +104,11 @@ constexpr ParameterRow leg_rows[]{
                                          "k_j, of both gimbals and their fastening along the "
                                          "leg, in series with the oil spring",
                                          shown("300 kN/mm"))),
+    word<&Leg::bending>(
+        "legs.bending", bending_words,
+        "whether rod and case bend under the lateral force at the guide sleeve: `\"rigid\"`, or "
+        "`\"elastic\"`, beams by `rod.diameter`, `rod.wall`, `case.diameter`, `case.wall` and "
+        "`rod.youngs_modulus`, in series with the guide sleeve"),
     table("legs.case", required, "cylinder case"),
     number<&Leg::cylinder_case, &CylinderCase::mass>("legs.case.mass", "kg", required,
                                                      usual(0.1, 2e4, not_negative),
@@ -119,7 +125,9 @@ constexpr ParameterRow leg_rows[]{
         "\"gimbal\"`"),
     not_mechanical(number<&Leg::cylinder_case, &CylinderCase::diameter>(
         "legs.case.diameter", "m", otherwise("the case does not bend"), usual(5e-3, 2.0, positive),
-        "outside; with `wall`, for the buckling of the leg as a column", shown("100 mm"))),
+        "outside; with `wall`, for the buckling of the leg as a column and for `bending = "
+        "\"elastic\"`",
+        shown("100 mm"))),
     not_mechanical(number<&Leg::cylinder_case, &CylinderCase::wall>(
         "legs.case.wall", "m", otherwise("the case does not bend"), usual(5e-4, 0.5, positive),
         "thickness, no more than half the diameter", shown("10 mm"))),
@@ -140,7 +148,8 @@ constexpr ParameterRow leg_rows[]{
         "\"gimbal\"`"),
     not_mechanical(number<&Leg::rod, &Rod::diameter>(
         "legs.rod.diameter", "m", otherwise("`rod_diameter` of the oil spring's cylinder"),
-        usual(2e-3, 1.2, positive), "outside, for the buckling of the leg as a column",
+        usual(2e-3, 1.2, positive),
+        "outside; for the buckling of the leg as a column and for `bending = \"elastic\"`",
         shown("56 mm"))),
     not_mechanical(number<&Leg::rod, &Rod::wall>("legs.rod.wall", "m", otherwise("solid"),
                                                  usual(5e-4, 0.5, positive),

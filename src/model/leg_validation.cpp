@@ -73,6 +73,14 @@ void check_sections(const Leg& leg, ValueChecks& checks) {
     checks.add_unexpected("rod.diameter", *rod.diameter, "m", "less than the bore", cylinder->bore);
 }
 
+/// What rod and case are as beams.
+void check_bending(const Leg& leg, ValueChecks& checks) {
+  if (leg.bending == LegBending::elastic && !rod_diameter(leg))
+    checks.add("bending",
+               "is \"elastic\" for a rod of unknown thickness, expected `rod.diameter` (or "
+               "`oil_spring.cylinder.rod_diameter`); `rod.wall` too where the rod is hollow");
+}
+
 void check_volumes(const Cylinder& cylinder, bool has_stroke, ValueChecks& checks) {
   const std::string key = "oil_spring.cylinder";
   if (has_stroke) return;
@@ -158,6 +166,7 @@ std::vector<Finding> leg_findings(const Machine& machine, int index, NonFinite n
   check_body("rod", leg.rod.transverse_inertia, leg.rod.axial_inertia, checks);
   check_flexible_inertia(leg, checks);
   check_sections(leg, checks);
+  check_bending(leg, checks);
   check_oil_spring(leg, checks);
   check_stroke(leg, checks);
   check_gimbal_axis(leg.gimbal_axis, checks);

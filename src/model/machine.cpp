@@ -29,6 +29,18 @@ bool any_seal(const Machine& machine, bool (*is)(const std::optional<Elastomer>&
 bool has_elastomers(const Machine& machine) { return any_seal(machine, is_elastomer); }
 bool has_pressed_seals(const Machine& machine) { return any_seal(machine, is_pressed); }
 
+bool has_elastic_legs(const Machine& machine) {
+  return std::ranges::any_of(machine.legs,
+                             [](const Leg& leg) { return leg.bending == LegBending::elastic; });
+}
+
+std::optional<double> rod_diameter(const Leg& leg) {
+  if (leg.rod.diameter) return leg.rod.diameter;
+  const auto& cylinder = leg.oil_spring.cylinder;
+  if (!cylinder || !(cylinder->rod_diameter > 0.0)) return {};
+  return cylinder->rod_diameter;
+}
+
 bool has_leg_dampers(const Machine& machine) {
   if (has_elastomers(machine)) return true;
   return std::ranges::any_of(machine.legs, [](const Leg& leg) {

@@ -47,6 +47,7 @@ class Reader {
     read_legs();
     for (std::size_t r = 0; r < rows_.size(); ++r)
       if (!rows_[r].path.starts_with(of_legs)) read_row(r, root_, rows_[r].path, 0);
+    read_payload_modes();
     read_poses();
     return std::move(read_);
   }
@@ -145,11 +146,12 @@ class Reader {
     return numbers;
   }
 
-  /// Notes a number of leg or pose `index`; one that legs share is one number.
+  /// Notes a number of leg, pose or mode `index`; one that legs share is one number.
   void remember(std::size_t r, int element, int index, const Section::Value& value, double number) {
     if (value.node == nullptr) return;
     const bool of_leg = value.path.starts_with("leg.") || rows_[r].path.starts_with("leg.");
-    const bool single = of_leg || rows_[r].path.starts_with("poses.");
+    const bool single = of_leg || rows_[r].path.starts_with("poses.") ||
+                        rows_[r].path.starts_with("payload_modes.");
     const bool shared = value.path.starts_with(of_legs);
     const ParameterId id{static_cast<std::uint16_t>(r), static_cast<std::int16_t>(element),
                          static_cast<std::int16_t>(single ? index + 1 : 0),
@@ -348,6 +350,29 @@ class Reader {
     if (!spring.choice("stiffness", "cylinder").empty()) return;
     spring.report_missing("stiffness", "either this value or the table `cylinder`");
     read_.machine.legs[static_cast<std::size_t>(leg)].oil_spring.stiffness = unread;
+  }
+
+  // ---- Modes of the payload ------------------------------------------------------------------
+
+  void read_payload_modes() {
+    const Section table = root_.optional_table("payload_modes");
+    const Node* node = tree_.find("payload_modes");
+    if (node == nullptr || !node->is_table()) return;
+    constexpr std::string_view front = "payload_modes.*.";
+    for (const auto& child : node->children) {
+      if (!child.is_table()) continue;
+      const int index = static_cast<int>(read_.machine.payload_modes.size());
+      if (index == most_payload_modes) {
+        return root_.report(root_.find("payload_modes"),
+                            fmt::format("holds {} modes, expected no more than {}",
+                                        node->children.size(), most_payload_modes));
+      }
+      read_.machine.payload_modes.push_back({.name = child.key});
+      const Section mode = table.optional_table(child.key);
+      for (std::size_t r = 0; r < rows_.size(); ++r)
+        if (rows_[r].path.starts_with(front) && rows_[r].make != nullptr)
+          read_numbers(r, mode, index);
+    }
   }
 
   // ---- Poses ---------------------------------------------------------------------------------

@@ -43,7 +43,7 @@ class KeyCheck {
     const auto known = keys_of(fronts);
     for (const auto& child : table.children) {
       const std::string child_path = joined_path(path, child.key);
-      const bool named = fronts == Fronts{"poses."};
+      const bool named = fronts == Fronts{"poses."} || fronts == Fronts{"payload_modes."};
       if (!named && std::find(known.begin(), known.end(), child.key) == known.end()) {
         report_unknown(child, known, path);
         continue;
@@ -63,7 +63,9 @@ class KeyCheck {
                    const std::vector<std::string_view>& keys, const std::string& path) {
     if (node.is_table()) return check(node, fronts, path);
     const std::string names =
-        path == "poses" ? "named poses" : fmt::format("the keys {}", fmt::join(keys, ", "));
+        path == "poses"           ? "named poses"
+        : path == "payload_modes" ? "named modes"
+                                  : fmt::format("the keys {}", fmt::join(keys, ", "));
     faults_.add(node.place, path,
                 fmt::format("is {}, expected a table with {}", described(node), names));
     faults_.mark_incomplete();

@@ -3,13 +3,14 @@
 /// module.
 ///
 /// The way is a chain of members: `&Leg::piston_ring, &PistonRing::stiffness`. It begins in the
-/// machine, in a leg or in a pose, may go through optional parts and ends at numbers, at a word, or
+/// machine, in a leg, in a pose or in a mode of the payload, may go through optional parts and ends at numbers, at a word, or
 /// at an element of an array, whose number then stands in the chain.
 
 #include <optional>
 #include <type_traits>
 
 #include "hydrapod/model/machine.hpp"
+#include "hydrapod/model/parameters.hpp"
 
 namespace hydrapod::model {
 
@@ -48,22 +49,37 @@ auto* reach(T& object) {
 template <class Owner, class T>
 Owner owner_type(T Owner::*);
 
+/// The mode of the payload, made where it is left out and `make` asks for it; else null.
+template <bool make>
+PayloadMode* payload_mode(Machine& machine, std::size_t at) {
+  auto& modes = machine.payload_modes;
+  if constexpr (make) {
+    while (modes.size() <= at)
+      modes.push_back({.name = next_payload_mode(machine, static_cast<int>(modes.size()))});
+  }
+  return at < modes.size() ? &modes[at] : nullptr;
+}
+
 /// The object in which the way begins.
-template <class Owner>
-Owner& owner(Machine& machine, int index) {
+template <bool make, class Owner>
+Owner* owner(Machine& machine, int index) {
   const auto at = static_cast<std::size_t>(index);
   if constexpr (std::is_same_v<Owner, Leg>) {
-    return machine.legs[at];
+    return &machine.legs[at];
   } else if constexpr (std::is_same_v<Owner, NamedPose>) {
-    return machine.poses.at(at);
+    return &machine.poses.at(at);
+  } else if constexpr (std::is_same_v<Owner, PayloadMode>) {
+    return payload_mode<make>(machine, at);
   } else {
-    return machine;
+    return &machine;
   }
 }
 
 template <bool make, auto first, auto... more>
 auto* member(Machine& machine, int index) {
-  return reach<make, first, more...>(owner<decltype(owner_type(first))>(machine, index));
+  auto* from = owner<make, decltype(owner_type(first))>(machine, index);
+  using Result = decltype(reach<make, first, more...>(*from));
+  return from != nullptr ? reach<make, first, more...>(*from) : Result{};
 }
 
 template <bool make, auto... steps>

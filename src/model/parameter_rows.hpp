@@ -18,6 +18,7 @@ std::span<const ParameterRow> legs();
 std::span<const ParameterRow> leg_hydraulics();
 std::span<const ParameterRow> single_legs_and_damping();
 std::span<const ParameterRow> supply_and_control();
+std::span<const ParameterRow> payload_modes();
 std::span<const ParameterRow> poses();
 
 // ---- Bounds ---------------------------------------------------------------------------------

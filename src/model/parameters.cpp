@@ -15,7 +15,7 @@ namespace hydrapod::model {
 namespace {
 
 constexpr unsigned all_legs = 0x3F;
-constexpr std::string_view of_leg = "leg.*.", of_poses = "poses.*.";
+constexpr std::string_view of_leg = "leg.*.", of_poses = "poses.*.", of_modes = "payload_modes.*.";
 constexpr std::array tensor_elements{"xx", "yy", "zz", "xy", "xz", "yz"};
 
 bool is_of_legs(const ParameterRow& row) {
@@ -30,7 +30,7 @@ bool may_be_whole(const ParameterRow& row) {
   return row.kind == Kind::six || row.path == "environment.gravity";
 }
 
-/// The leg or pose in which a number stands.
+/// The leg, pose or mode of the payload in which a number stands.
 int index_of(const ParameterId& id) {
   if (is_of_legs(row_of(id))) return id.legs == 0 ? 0 : std::countr_zero(unsigned{id.legs});
   return id.of - 1;
@@ -138,7 +138,31 @@ unsigned own_legs(const MachineFile& file, const ParameterId& id) {
   return own;
 }
 
+/// Number of the mode of the payload that has that name, or will have it; −1: none.
+int payload_mode_called(const Machine& machine, std::string_view name) {
+  const auto& modes = machine.payload_modes;
+  const auto found = std::ranges::find(modes, name, &PayloadMode::name);
+  if (found != modes.end()) return static_cast<int>(found - modes.begin());
+  auto longer = machine.payload_modes;
+  while (longer.size() < most_payload_modes) {
+    const int next = static_cast<int>(longer.size());
+    Machine with_these;
+    with_these.payload_modes = longer;
+    longer.push_back({.name = next_payload_mode(with_these, next)});
+    if (longer.back().name == name) return next;
+  }
+  return -1;
+}
+
 }  // namespace
+
+std::string next_payload_mode(const Machine& machine, int index) {
+  std::string name;
+  for (int number = index + 1;; ++number) {  // its own number, or the next that is free
+    name = fmt::format("mode_{}", number);
+    if (std::ranges::count(machine.payload_modes, name, &PayloadMode::name) == 0) return name;
+  }
+}
 
 const NamedPose* find_pose(const Machine& machine, std::string_view name) {
   const auto found = std::ranges::find(machine.poses, name, &NamedPose::name);
@@ -167,6 +191,10 @@ std::optional<ParameterId> find_parameter(const Machine& machine, std::string_vi
       if ((*steps)[1].key == machine.poses[p].name)
         return in_table(of_poses, below(2), static_cast<int>(p) + 1, all_legs);
     return std::nullopt;
+  }
+  if (steps->size() > 2 && (*steps)[0].key == "payload_modes") {
+    const int mode = payload_mode_called(machine, (*steps)[1].key);
+    return mode < 0 ? std::nullopt : in_table(of_modes, below(2), mode + 1, all_legs);
   }
   return in_table("", text, 0, all_legs);
 }
@@ -213,6 +241,12 @@ std::string path(const Machine& machine, const ParameterId& id) {
   if (row.path.starts_with(of_poses))
     return fmt::format("poses.{}.{}{}", written_key(machine.poses.at(id.of - 1).name),
                        below(of_poses), element);
+  if (row.path.starts_with(of_modes)) {
+    const auto& modes = machine.payload_modes;
+    const auto at = static_cast<std::size_t>(id.of - 1);
+    const std::string name = at < modes.size() ? modes[at].name : next_payload_mode(machine, id.of - 1);
+    return fmt::format("payload_modes.{}.{}{}", written_key(name), below(of_modes), element);
+  }
   if (row.path.starts_with(of_leg))
     return fmt::format("leg.{}.{}{}", id.of, below(of_leg), element);
   if (row.path.starts_with(of_legs) && id.of != 0)
@@ -246,6 +280,10 @@ bool of_mechanics(const ParameterId& id) {
 
 bool of_mechanics(const Machine& machine, const ParameterId& id) {
   if (of_mechanics(id)) return true;
+  constexpr std::array<std::string_view, 5> of_beams{"legs.case.diameter", "legs.case.wall",
+                                                     "legs.rod.diameter", "legs.rod.wall",
+                                                     "legs.rod.youngs_modulus"};
+  if (has_elastic_legs(machine) && std::ranges::count(of_beams, row_of(id).path) > 0) return true;
   if (!has_chambers(machine)) return false;
   constexpr std::array<std::string_view, 5> of_chambers{
       "legs.valve.", "legs.leakage.", "legs.friction.", "legs.equivalent_cylinder.", "supply."};
@@ -273,6 +311,11 @@ std::vector<ParameterId> parameters(const Machine& machine) {
     const int poses = static_cast<int>(machine.poses.size());
     if (rows[r].path.starts_with(of_poses)) {
       for (int pose = 1; pose <= poses; ++pose) add(r, pose, all_legs);
+      continue;
+    }
+    if (rows[r].path.starts_with(of_modes)) {
+      const int modes = static_cast<int>(machine.payload_modes.size());
+      for (int mode = 1; mode <= modes; ++mode) add(r, mode, all_legs);
       continue;
     }
     if (!rows[r].path.starts_with(of_leg)) add(r, 0, all_legs);

@@ -200,6 +200,7 @@ std::vector<Finding> validate_values(const Machine& machine, NonFinite non_finit
   checks.finite("environment.gravity", machine.gravity, "m/s^2");
   checks.rows(machine, std::nullopt);
   check_inertia_tensor(machine.platform.inertia, checks);
+  check_payload_modes(machine, checks);
   const bool on_base = check_joints(machine, &Leg::base_joint, "base", checks);
   const bool on_platform = check_joints(machine, &Leg::platform_joint, "platform", checks);
   if (on_base && on_platform) check_lines_apart(machine, checks);

@@ -94,15 +94,18 @@ void observe_mechanics(const model::Machine& machine, Observation& seen) {
 }
 
 /// The mechanics' coordinates in the states `right` of the plant, the platform's against the base:
-/// the first, and of a base with coordinates the first of its own.
+/// the first, behind which the plant has the payload's, and of a base with coordinates the first of
+/// its own.
 MatrixXcd mechanics_of_plant(const dynamics::LinearModel& model,
                              const std::vector<simulation::StatePart>& parts,
                              const MatrixXcd& right) {
   MatrixXcd motion(model.dof(), right.cols());
   motion.topRows(model.first_of_base()) = right.topRows(model.first_of_base());
   const auto base = std::ranges::find(parts, simulation::Part::base, &simulation::StatePart::part);
-  motion.bottomRows(model.base_count()) =
+  motion.middleRows(model.first_of_base(), model.base_count()) =
       right.middleRows(base - parts.begin(), model.base_count());
+  motion.bottomRows(model.payload_count()) =
+      right.middleRows(model.first_of_base(), model.payload_count());
   return motion;
 }
 
@@ -141,6 +144,11 @@ ObservedSystem observed_system(const model::Machine& machine, const spatial::Pos
   system.platform_mass.diagonal().head<3>().setConstant(machine.platform.mass);
   system.platform_mass.bottomRightCorner<3, 3>() =
       X_BP.R_BP * machine.platform.inertia * X_BP.R_BP.transpose();
+  if (!machine.payload_modes.empty()) {
+    spatial::Matrix6 R = spatial::Matrix6::Zero();
+    R.topLeftCorner<3, 3>() = R.bottomRightCorner<3, 3>() = X_BP.R_BP;
+    system.platform_mass = R * model::mass_without_payload_modes(machine) * R.transpose();
+  }
   system.linear = simulation::linear_system(machine, X_BP,
                                             {.kind = kind,
                                              .closed = observed == Observed::system,

@@ -1,11 +1,11 @@
 #include "hydrapod/report/json.hpp"
+#include "hydrapod/report/model_results.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
 #include "hydrapod/base/units.hpp"
-#include "hydrapod/modal/peak_height.hpp"
 
 namespace hydrapod::report {
 
@@ -34,7 +34,7 @@ int main_mode(const modal::ModeTable& table, int rigid) {
 /// Of a mode beside that of its counterpart with rigid legs.
 double peak_height(const modal::TabledMode& entry) {
   const double over_rigid = 1.0 + entry.rigid->shift;
-  return modal::peak_height(entry.rigid->mac, over_rigid, 1.0);
+  return report::peak_height(entry.rigid->mac, over_rigid, 1.0);
 }
 
 /// How much of the rigid-leg mode's motion the lowered mode holds, how high it stands, and where
@@ -124,6 +124,10 @@ Json answer_json(const modal::ModeTable& table) {
               {"guide_sleeve", entry.energy.guide_sleeve.sum()},
               {"piston_ring", entry.energy.piston_ring.sum()}}}};
   if (entry.energy.base_mount != 0.0) json["strain_energy"]["base_mount"] = entry.energy.base_mount;
+  if (entry.energy.payload_elastic != 0.0)
+    json["strain_energy"]["payload"] = entry.energy.payload_elastic;
+  if (!entry.energy.bending.isZero(0.0))
+    json["strain_energy"]["bending"] = entry.energy.bending.sum();
   if (entry.rigid) {
     json["rigid_mode"] = entry.rigid->mode + 1;
     json["rigid_frequency_hz"] = table.rigid.modes[entry.rigid->mode].mode.omega / two_pi;

@@ -154,6 +154,9 @@ void describe(Fields& f, LegCheck& leg) {
   f("sleeve_offset_m", leg.sleeve_offset);
   f.optional("ring_offset_m", leg.ring_offset);
   f.optional("guide_gap_m", leg.gap);
+  f.optional("bending_m_N", leg.bending);
+  f.optional("bow_m", leg.bow);
+  f.optional("bow_growth", leg.bow_growth);
   f("base_joint_tilt_rad", leg.base_tilt);
   f("platform_joint_tilt_rad", leg.platform_tilt);
   f.optional("retract_left_m", leg.retract_left);

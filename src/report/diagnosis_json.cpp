@@ -5,8 +5,7 @@
 
 #include "fitted_parameter.hpp"
 #include "hydrapod/base/units.hpp"
-#include "hydrapod/diagnosis/goodness.hpp"
-#include "hydrapod/modal/peak_height.hpp"
+#include "hydrapod/diagnosis/diagnose.hpp"
 #include "hydrapod/report/measured_results.hpp"
 
 namespace hydrapod::report {
@@ -127,12 +126,14 @@ void describe(Fields& f, MeasuredMode& m) {
   f("rigid_mac", m.rigid_mac);
   f.derived("drop", m.drop());
   f.derived("peak_height",
-            m.omega_rigid > 0.0 ? modal::peak_height(m.rigid_mac, m.omega, m.omega_rigid) : 0.0);
+            m.omega_rigid > 0.0 ? report::peak_height(m.rigid_mac, m.omega, m.omega_rigid) : 0.0);
   f.object("strain_energy", [&](auto& energy) {
     energy("oil", m.oil);
     energy("guide_sleeve", m.guide_sleeves);
     energy("piston_ring", m.piston_rings);
     energy("base_mount", m.base);
+    energy.unless(0.0, "payload", m.payload);
+    energy.unless(0.0, "bending", m.bending);
   });
   if constexpr (Fields::reads) m.omega_rigid = two_pi * rigid_hz.value_or(0.0);
 }
@@ -143,7 +144,8 @@ void describe(Fields& f, PartShare& share) {
   describe_leg_number(f, share.part.leg);
   f.scaled("frequency_hz", share.omega, two_pi);
   f("share", share.share);
-  static constexpr std::array compliances{"guide_sleeve", "piston_ring", "gimbals", "base_mount"};
+  static constexpr std::array compliances{"guide_sleeve", "piston_ring", "gimbals",
+                                          "base_mount",   "payload",     "bending"};
   f.word("code", share.part.what, compliances);
 }
 
@@ -155,7 +157,7 @@ void describe(Fields& f, AttributedDrop& drop) {
   f.scaled("frequency_hz", r.omega, two_pi);
   f.derived("drop", r.drop());
   f("mac", r.mac);
-  f.derived("peak_height", modal::peak_height(r.mac, r.omega, r.omega_rigid));
+  f.derived("peak_height", report::peak_height(r.mac, r.omega, r.omega_rigid));
   f("parts", drop.parts);
 }
 
@@ -200,9 +202,11 @@ void describe_cause(Fields& f, Cause& cause) {
       "guide_sleeves", "piston_rings",     "bulk_modulus", "oil_springs",  "air",
       "cap_volume",    "rod_volume",       "gimbals",      "payload",      "payload_height",
       "inertia",       "mass_and_inertia", "mass_center",  "base_lateral", "base_vertical",
-      "base_rocking",  "oil_lines",        "leakage"};
+      "base_rocking",  "oil_lines",        "leakage",      "payload_sways", "payload_heaves",
+      "payload_modes"};
   static constexpr std::array families{"guide sleeves", "piston rings", "leg axes",  "platform",
-                                       "mass centre",   "base",         "oil lines", "leakage"};
+                                       "mass centre",   "base",         "oil lines", "leakage",
+                                       "payload modes"};
   if constexpr (!Fields::reads) {
     f.derived("name", cause_name(cause));
     f.derived("statement", cause_statement(cause));
@@ -330,6 +334,7 @@ void describe_remedy(Fields& f, Remedy& r, RemedyGoal& goal) {
   f("present", r.today);
   f("required", r.needed);
   f("rigid_sleeves", r.limit);
+  f.optional("rigid_sleeves_without_bending", r.limit_without_bending);
   f("pose", r.pose);
   describe_resonance_direction(f, r.direction);
   f("curve", r.curve);

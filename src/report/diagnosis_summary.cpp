@@ -8,7 +8,6 @@
 #include <set>
 
 #include "hydrapod/base/units.hpp"
-#include "hydrapod/modal/peak_height.hpp"
 
 namespace hydrapod::report {
 
@@ -36,7 +35,7 @@ std::string capital(std::string text) {
 /// Of a mode with rigid legs, how much of its motion a resonance holds and how high it stands.
 std::string weight_text(double mac, double omega, double omega_rigid) {
   return fmt::format("{:.0f} % of the motion, peak {:.2f} times as high at equal damping ratios",
-                     100.0 * mac, modal::peak_height(mac, omega, omega_rigid));
+                     100.0 * mac, report::peak_height(mac, omega, omega_rigid));
 }
 
 /// Lowest measured mode of every direction at a pose that holds a tenth of a rigid mode.
@@ -87,12 +86,13 @@ void add_origins(const Diagnosis& d, std::vector<std::string>& words) {
   };
   constexpr std::array origins{Origin{"guide sleeves", &MeasuredMode::guide_sleeves},
                                Origin{"piston rings", &MeasuredMode::piston_rings},
-                               Origin{"base", &MeasuredMode::base}};
+                               Origin{"base", &MeasuredMode::base},
+                               Origin{"bending of rods and cases", &MeasuredMode::bending}};
   for (const auto& origin : origins) {
     std::vector<std::string> modes;
     for (const auto& mode : d.modes) {
       const double share = mode.*origin.share;
-      const double most = std::max({mode.guide_sleeves, mode.piston_rings, mode.base});
+      const double most = std::max({mode.guide_sleeves, mode.piston_rings, mode.base, mode.bending});
       if (share < main_part || share < most || mode.direction < 0) continue;
       const auto text =
           fmt::format("{} at {}", direction_name(mode.direction), frequency_text(mode.omega));
@@ -229,6 +229,17 @@ std::string stiffer_words(const CaseFile& file) {
                      amount_text(from, 0.0, "N/m"), amount_text(to, 0.0, "N/m"));
 }
 
+/// Where rods and cases bend: what stiffer sleeves cannot get beyond.
+std::string bending_words(const Remedy& r) {
+  if (!r.limit_without_bending) return "";
+  const auto& without = *r.limit_without_bending;
+  return fmt::format(
+      " Bending of rods and cases limits what stiffer guide sleeves give to {} and a drop of {}; "
+      "with rods and cases that do not bend, rigid guide sleeves would give {} and {}.",
+      frequency_text(r.limit.omega), share_text(r.limit.drop), frequency_text(without.omega),
+      share_text(without.drop));
+}
+
 std::string remedy_words(const CaseFile& file) {
   const auto& r = *file.remedy;
   const std::string goal = goal_words(file.goal);
@@ -237,23 +248,23 @@ std::string remedy_words(const CaseFile& file) {
   if (r.status == RemedyStatus::out_of_reach)
     return fmt::format(
         "No stiffness of the guide sleeves reaches {}: rigid guide sleeves give {} and a drop of "
-        "{} (pose {}, {}).",
+        "{} (pose {}, {}).{}",
         goal, frequency_text(r.limit.omega), share_text(r.limit.drop), r.pose,
-        direction_words(r.direction));
+        direction_words(r.direction), bending_words(r));
   constexpr double far = 0.01;
   if (r.status == RemedyStatus::met_already) {
     const bool softer = r.needed.factor < far;
     const auto enough =
         softer ? "much less is sufficient" : "at least " + stiffness + " is required";
     return fmt::format(
-        "The stiffness of the guide sleeves of the {} machine, {}, is sufficient for {}; {}.{}",
-        machine_word(file), present, goal, enough, stiffer_words(file));
+        "The stiffness of the guide sleeves of the {} machine, {}, is sufficient for {}; {}.{}{}",
+        machine_word(file), present, goal, enough, stiffer_words(file), bending_words(r));
   }
   return fmt::format(
       "Required stiffness of the guide sleeves for {}: at least {}, {:.3g} times that of the {} "
-      "machine, {}; highest demand at pose {} in {}.",
+      "machine, {}; highest demand at pose {} in {}.{}",
       goal, stiffness, r.needed.factor, machine_word(file), present, r.pose,
-      direction_words(r.direction));
+      direction_words(r.direction), bending_words(r));
 }
 
 std::string finding_sentence(const Diagnosis& d) {

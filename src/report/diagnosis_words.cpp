@@ -7,7 +7,7 @@
 #include <tuple>
 
 #include "hydrapod/base/units.hpp"
-#include "hydrapod/diagnosis/goodness.hpp"
+#include "hydrapod/diagnosis/diagnose.hpp"
 
 namespace hydrapod::report {
 
@@ -74,7 +74,13 @@ constexpr std::array cause_words{
     CauseWords{"leakage past the pistons of all legs",
                "the leakage past the pistons of all legs differs from the nominal value",
                "leakage past the piston of leg {}",
-               "the leakage past the piston of leg {} differs from the nominal value"}};
+               "the leakage past the piston of leg {} differs from the nominal value"},
+    CauseWords{"payload that sways",
+               "a part of the payload is not rigid: it swings in lateral directions", "", ""},
+    CauseWords{"payload that heaves",
+               "a part of the payload is not rigid: it swings in the vertical direction", "", ""},
+    CauseWords{"modes of the payload",
+               "the frequencies of the payload's modes differ from the nominal values", "", ""}};
 
 std::string of_cause(const Cause& cause, const char* CauseWords::*all,
                      const char* CauseWords::*of_leg) {
@@ -204,9 +210,10 @@ std::string hypothesis_name(const Diagnosis& d, const Hypothesis& e) {
 }
 
 std::string part_name(const Part& part) {
-  constexpr std::array one{"guide sleeve", "piston ring", "gimbals", ""};
+  constexpr std::array one{"guide sleeve", "piston ring", "gimbals", "", "", "rod and case"};
   constexpr std::array all{"guide sleeves of all legs", "piston rings of all legs",
-                           "gimbals of all legs", "base mount"};
+                           "gimbals of all legs",      "base mount",
+                           "modes of the payload",     "bending of rods and cases of all legs"};
   const auto what = static_cast<std::size_t>(part.what);
   return part.leg ? fmt::format("{} of leg {}", one.at(what), *part.leg + 1) : all.at(what);
 }

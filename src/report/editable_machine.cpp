@@ -15,17 +15,23 @@ namespace {
 
 using model::ParameterRow;
 
-constexpr std::string_view of_poses = "poses.";
+constexpr std::string_view of_poses = "poses.", of_payload = "payload_modes.";
 
 bool is_of_legs(const ParameterRow& row) {
   return row.path.starts_with(model::of_legs) || row.path.starts_with("leg.");
 }
 
-/// Every element of the row, per leg or for the machine as a whole.
+/// How often the machine has what the row says.
+int places(const model::Machine& machine, const ParameterRow& row) {
+  if (row.path.starts_with(of_payload)) return static_cast<int>(machine.payload_modes.size());
+  return is_of_legs(row) ? model::leg_count : 1;
+}
+
+/// Every element of the row, per leg or mode of the payload, or for the machine as a whole.
 Json numbers_of(model::Machine& machine, const ParameterRow& row) {
   Json list = Json::array();
   bool any = false;
-  for (int of = 0; of < (is_of_legs(row) ? model::leg_count : 1); ++of) {
+  for (int of = 0; of < places(machine, row); ++of) {
     Json elements = Json::array();
     for (int element = 0; element < row.numbers; ++element) {
       const double* number = row.find(machine, of, element);
@@ -132,6 +138,7 @@ Json editable_json(const model::MachineFile& file, const std::vector<model::Name
         json["words"][path] = std::move(words);
   }
   for (const auto& pose : machine.poses) json["poses"].push_back(place(pose.name, pose.X_BP));
+  for (const auto& mode : machine.payload_modes) json["payload_modes"].push_back(mode.name);
   for (const auto& pose : shown) json["shown"].push_back(shown_pose(machine, pose));
   return json;
 }

@@ -52,8 +52,11 @@ std::string damping_text(const model::Machine& machine) {
   if (model::has_rayleigh_damping(machine))
     add(fmt::format("Rayleigh α = {:.3g} 1/s, β = {:.3g} s", damping.rayleigh_mass,
                     damping.rayleigh_stiffness));
-  if (text.empty()) return "none";
+  const bool payload = std::ranges::any_of(
+      machine.payload_modes, [](const auto& mode) { return mode.damping_ratio != 0.0; });
+  if (text.empty()) return payload ? "modes of the payload by their damping ratios" : "none";
   if (ratio.is_default) text += " (default: the machine file states no damping)";
+  if (payload) text += "; modes of the payload also by their damping ratios";
   const bool leaks = std::ranges::any_of(machine.legs, [](const model::Leg& leg) {
     const auto& of = leg.hydraulics;
     return of.leakage.internal || of.leakage.external != 0.0 || of.valve.leakage;
@@ -94,6 +97,10 @@ std::string plant_damping_text(const model::Machine& machine, bool hydraulics) {
   text += "; seals by " + (seals.empty() ? "nothing" : seals);
   if (machine.base_mount && ratio.value > 0.0)
     text += fmt::format("; base mount by {:.3g} % of critical", 100.0 * ratio.value);
+  if (!machine.payload_modes.empty()) {
+    text += "; modes of the payload by their damping ratios";
+    if (ratio.value > 0.0) text += fmt::format(" + {:.3g} % of critical", 100.0 * ratio.value);
+  }
   if (machine.damping.rayleigh_mass != 0.0)
     text += fmt::format("; all masses by Rayleigh α = {:.3g} 1/s", machine.damping.rayleigh_mass);
   return text;
@@ -169,8 +176,11 @@ void describe(Fields& f, modal::EnergyShares& energy) {
     leg("oil", energy.oil);
     leg("guide_sleeve", energy.guide_sleeve);
     leg("piston_ring", energy.piston_ring);
+    leg.unless(spatial::Vector6(spatial::Vector6::Zero()), "bending", energy.bending);
   });
+  if (!energy.bending.isZero(0.0)) f.derived("bending", energy.bending.sum());
   f.unless(0.0, "base_mount", energy.base_mount);
+  f.unless(0.0, "payload", energy.payload_elastic);
 }
 
 template <class Fields>
@@ -196,6 +206,7 @@ void describe(Fields& f, modal::TabledMode& entry) {
   f("platform_energy", entry.energy.platform);
   f("leg_energy", entry.energy.legs);
   f.unless(spatial::Vector6(spatial::Vector6::Zero()), "base_energy", entry.energy.base);
+  f.unless(0.0, "payload_energy", entry.energy.payload);
   f("strain_energy", entry.energy);
   f("shape", mode.real);
   if (Fields::reads) mode.imaginary = modal::ModelVector::Zero(mode.real.size());
@@ -206,8 +217,9 @@ void describe(Fields& f, modal::TabledMode& entry) {
 template <class Fields>
 void describe(Fields& f, modal::ModeTable& table) {
   f.word("model", table.kind, model_words);
-  const auto& base = table.real.linear.base_directions;
-  f.derived("coordinates", dynamics::coordinate_names(table.kind, base));
+  const auto& linear = table.real.linear;
+  f.derived("coordinates", dynamics::coordinate_names(table.kind, linear.base_directions,
+                                                      linear.payload_names));
   f("modes", table.real.modes);
   f("rigid_modes", table.rigid.modes);
 }
@@ -247,12 +259,15 @@ void require_whole(const Reader& fields, const char* key, std::size_t coordinate
 
 namespace {
 
-/// Directions of the base among the coordinates, the last of them.
-std::vector<int> base_directions(const Reader& fields) {
-  std::vector<int> directions;
-  if (!fields.has("coordinates")) return directions;
+std::vector<std::string> coordinates_in(const Reader& fields) {
   std::vector<std::string> names;
-  fields("coordinates", names);
+  if (fields.has("coordinates")) fields("coordinates", names);
+  return names;
+}
+
+/// Directions of the base among the coordinates, behind those of the legs.
+std::vector<int> base_directions(const std::vector<std::string>& names) {
+  std::vector<int> directions;
   for (const auto& name : names)
     for (int k = 0; k < 6; ++k)
       if (name == fmt::format("base.{}", spatial::direction_name(k)) &&
@@ -261,18 +276,32 @@ std::vector<int> base_directions(const Reader& fields) {
   return directions;
 }
 
+/// Modes of the payload among the coordinates, the last of them.
+std::vector<std::string> payload_names(const std::vector<std::string>& names) {
+  constexpr std::string_view front = "payload.";
+  std::vector<std::string> modes;
+  for (const auto& name : names)
+    if (name.starts_with(front) && modes.size() < model::most_payload_modes)
+      modes.push_back(name.substr(front.size()));
+  return modes;
+}
+
 }  // namespace
 
 modal::ModeTable modes_from_json(const Json& json, const std::string& file) {
   auto table = read<modal::ModeTable>(json, file);
   const Reader fields(json, file);
   const std::size_t rigid_modes = table.rigid.modes.size();
-  const auto base = base_directions(fields);
+  const auto names = coordinates_in(fields);
+  const auto base = base_directions(names);
+  const auto payload = payload_names(names);
   table.real.linear.base_directions = table.rigid.linear.base_directions = base;
-  require_whole(fields, "modes", dynamics::coordinate_names(table.kind, base).size(), rigid_modes,
-                table.real.modes);
-  require_whole(fields, "rigid_modes",
-                dynamics::coordinate_names(dynamics::ModelKind::rigid, base).size(), rigid_modes,
+  table.real.linear.payload_names = table.rigid.linear.payload_names = payload;
+  const auto count = [&](dynamics::ModelKind kind) {
+    return dynamics::coordinate_names(kind, base, payload).size();
+  };
+  require_whole(fields, "modes", count(table.kind), rigid_modes, table.real.modes);
+  require_whole(fields, "rigid_modes", count(dynamics::ModelKind::rigid), rigid_modes,
                 table.rigid.modes);
   return table;
 }

@@ -142,6 +142,8 @@ Block<6, 6> solve(const ResponseModel& model, const Lines& f) {
   if constexpr (flexible > 0)
     for (int leg = 0; leg < model::leg_count; ++leg)
       eliminate_leg<flexible>(model, f, 6 + flexible * leg, S, W);
+  for (int mode = 0; mode < model.payload_count; ++mode)
+    eliminate_leg<1>(model, f, 6 + flexible * model::leg_count + mode, S, W);
   const Block<6, 6> G = inverse(S);
   return model.loads_flexible ? times(G, W) : G;
 }

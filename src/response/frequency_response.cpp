@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "elimination.hpp"
-#include "hydrapod/dynamics/equivalent.hpp"
+#include "hydrapod/dynamics/linear_model.hpp"
 
 namespace hydrapod::response {
 
@@ -166,6 +166,7 @@ ResponseModel response_model(const LinearModel& model, const NormalModes& modes,
                        .modes = modes,
                        .arms = model.arms,
                        .modal_ratio = modal_ratio,
+                       .payload_count = model.payload_count(),
                        .mode_direction = mode_directions(model, modes)};
   const Matrix6 T = center_from_point(result.p_BQ - model.p_BC);
   for (ModelMatrix* A : {&result.M, &result.K, &result.C}) move_platform_coordinates(T, *A);

@@ -361,6 +361,7 @@ std::optional<Capability> capability(const model::Machine& machine, const Pose& 
 
   model::Machine held = machine;
   held.base_mount.reset();
+  held.payload_modes.clear();
   const auto rigid = dynamics::linear_model(held, X_BP, dynamics::ModelKind::rigid);
   const Matrix6 J = kinematics::leg_jacobian(geometry, kinematics::mass_center(machine, X_BP));
   const Matrix6 per_force = J.transpose().inverse();

@@ -83,6 +83,8 @@ std::vector<StatePart> plant_parts(const StateLayout& layout, int flexible) {
     for (int i = 0; i < 6; ++i) parts[static_cast<size_t>(first + i)] = {directions[i], -1};
     for (int i = 0; i < model::leg_count * flexible; ++i)
       parts[static_cast<size_t>(first + 6 + i)] = {Part::seal, i / flexible};
+    for (int i = 0; i < layout.payload; ++i)
+      parts[static_cast<size_t>(first + 6 + model::leg_count * flexible + i)] = {Part::payload, -1};
   };
   mechanics(0);
   mechanics(layout.positions - shift);

@@ -25,7 +25,9 @@ bool bristles_anywhere(const std::array<hydraulics::ServoAxis, leg_count>& axes)
 
 StateLayout make_layout(const dynamics::NonlinearModel& mechanics, const PlantOptions& options,
                         const std::array<hydraulics::ServoAxis, leg_count>& axes) {
-  StateLayout layout{.positions = mechanics.positions(), .velocities = mechanics.velocities()};
+  StateLayout layout{.positions = mechanics.positions(),
+                     .velocities = mechanics.velocities(),
+                     .payload = mechanics.payload_count()};
   layout.size = layout.positions + layout.velocities;
   const auto append = [&](int& first, int count) {
     first = layout.size;
@@ -85,6 +87,7 @@ Plant::Plant(const model::Machine& machine, ModelKind kind, const PlantOptions& 
   layout_ = make_layout(mechanics_, options, axes_);
   set_base(X_reference);
   set_arms();
+  if (model::has_elastic_legs(machine)) bend_arms(mechanics_, X_reference, sleeve_arms_.of);
   set_gimbals(X_reference);
   if (!options.hydraulics) set_springs(X_reference);
   set_oil_constants();

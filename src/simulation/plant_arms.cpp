@@ -1,5 +1,6 @@
 /// The plant's seals that are elastomers: arms beside their springs (docs/theory/elastomers.md).
 
+#include "hydrapod/dynamics/linear_model.hpp"
 #include "plant_work.hpp"
 
 namespace hydrapod::simulation {
@@ -22,6 +23,20 @@ void for_arms(const std::array<dynamics::SealArms, leg_count>& of, int first, in
 }
 
 }  // namespace
+
+void bend_arms(const dynamics::NonlinearModel& mechanics, const Pose& X_reference,
+               std::array<dynamics::SealArms, leg_count>& arms) {
+  const auto& machine = mechanics.machine();
+  const auto rest = mechanics.equilibrium(X_reference);
+  for (size_t i = 0; i < leg_count; ++i) {
+    const auto& leg = machine.legs[i];
+    if (!leg.guide_sleeve.elastomer || mechanics.kind() == ModelKind::rigid) continue;
+    const auto bent = bent_leg(leg, X_reference * leg.platform_joint, machine.flexible_axes,
+                               machine.gravity, rest.legs[i]);
+    if (bent.exists && bent.element.bending > 0.0)
+      arms[i] = arms_in_series(arms[i], leg.guide_sleeve.stiffness, bent.element.bending);
+  }
+}
 
 /// After everything else in the state. The mechanics' machine is that with pressed seals.
 void Plant::set_arms() {

@@ -31,7 +31,8 @@ constexpr Kind length{"m", 1e-2, 3e-4}, turn{"1", 1e-2, 3e-4}, tilt{"rad", 1e-2,
     tilting{"rad/s", 0.1, 1e-5}, shifting{"m/s", 1e-2, 1e-6}, pressure{"Pa", 1e6, 30.0},
     spool{"1", 0.1, 3e-5}, spool_rate{"1/s", 10.0, 1e-2}, bristle{"m", 1e-5, 1e-8},
     base_shift{"m", 1e-2, 1e-5}, base_turn{"rad", 1e-2, 1e-5}, base_shifting{"m/s", 0.1, 1e-4},
-    base_turning{"rad/s", 0.1, 1e-4}, arm{"m", 1e-4, 1e-6};
+    base_turning{"rad/s", 0.1, 1e-4}, arm{"m", 1e-4, 1e-6},  //
+    swing{"m", 0.1, 3e-3}, swinging{"m/s", 1.0, 1e-4};
 
 struct Described {
   std::string name;
@@ -71,15 +72,22 @@ void add_arms(const StateLayout& layout, std::vector<Described>& all) {
 }
 
 /// Every state in the order of x.
-std::vector<Described> described(const StateLayout& layout, int flexible,
+std::vector<Described> described(const StateLayout& layout,
+                                 const dynamics::NonlinearModel& mechanics,
                                  const dynamics::MovingBase& base) {
   std::vector<Described> all;
+  const auto add_payload = [&](const char* suffix, const Kind& kind) {
+    for (const auto& mode : mechanics.machine().payload_modes)
+      all.push_back({fmt::format("payload.{}{}", mode.name, suffix), kind});
+  };
   for (const char* name : {"x", "y", "z"}) all.push_back({name, length});
   for (const char* name : {"qw", "qx", "qy", "qz"}) all.push_back({name, turn});
-  add_flexible(flexible, "", tilt, offset, all);
+  add_flexible(mechanics.flexible(), "", tilt, offset, all);
+  add_payload("", swing);
   for (const char* name : {"vx", "vy", "vz"}) all.push_back({name, velocity});
   for (const char* name : {"wx", "wy", "wz"}) all.push_back({name, turning});
-  add_flexible(flexible, "_rate", tilting, shifting, all);
+  add_flexible(mechanics.flexible(), "_rate", tilting, shifting, all);
+  add_payload("_rate", swinging);
   const auto per_leg = [&](const char* name, const Kind& kind, const char* second,
                            const Kind& of_second) {
     for (int leg = 1; leg <= leg_count; ++leg) {
@@ -100,9 +108,10 @@ std::vector<Described> described(const StateLayout& layout, int flexible,
 }
 
 /// The same for small changes: a rotation vector instead of the quaternion.
-std::vector<Described> described_tangent(const StateLayout& layout, int flexible,
+std::vector<Described> described_tangent(const StateLayout& layout,
+                                         const dynamics::NonlinearModel& mechanics,
                                          const dynamics::MovingBase& base) {
-  auto all = described(layout, flexible, base);
+  auto all = described(layout, mechanics, base);
   all.erase(all.begin() + quaternion);
   const Kind angle{"rad", turn.scale, turn.step};
   constexpr std::array<const char*, 3> names{"rx", "ry", "rz"};
@@ -138,29 +147,29 @@ double position_steps(const model::Machine& machine) {
 }  // namespace
 
 std::vector<std::string> Plant::state_names() const {
-  return names_of(described(layout_, mechanics_.flexible(), base_));
+  return names_of(described(layout_, mechanics_, base_));
 }
 
 std::vector<std::string> Plant::tangent_names() const {
-  return names_of(described_tangent(layout_, mechanics_.flexible(), base_));
+  return names_of(described_tangent(layout_, mechanics_, base_));
 }
 
 std::vector<std::string> Plant::state_units() const {
   std::vector<std::string> units;
-  for (const auto& state : described(layout_, mechanics_.flexible(), base_))
+  for (const auto& state : described(layout_, mechanics_, base_))
     units.emplace_back(state.kind.unit);
   return units;
 }
 
 VectorXd Plant::scales() const {
-  const auto all = described(layout_, mechanics_.flexible(), base_);
+  const auto all = described(layout_, mechanics_, base_);
   VectorXd scales(layout_.size);
   for (int k = 0; k < layout_.size; ++k) scales[k] = all[k].kind.scale;
   return scales;
 }
 
 VectorXd Plant::steps() const {
-  const auto all = described(layout_, mechanics_.flexible(), base_);
+  const auto all = described(layout_, mechanics_, base_);
   const double finer = position_steps(machine_);
   VectorXd steps(layout_.size);
   for (int k = 0; k < layout_.size; ++k)
@@ -225,7 +234,7 @@ VectorXd Plant::tangent_rates(const VectorXd& x, const VectorXd& x_0,
 }
 
 LinearPlant Plant::linearise(const VectorXd& x, const PlantInput& input) const {
-  const auto states = described_tangent(layout_, mechanics_.flexible(), base_);
+  const auto states = described_tangent(layout_, mechanics_, base_);
   const int n = layout_.tangent();
   const double finer = position_steps(machine_);
   const int first_rate = layout_.velocity() - 1;  // the rotation has three numbers here

@@ -28,7 +28,7 @@ struct OilModes {
 };
 
 /// ω² of the lowest mode, and of the highest of the six that move the platform most: a light base
-/// vibrates far above what the controller meets.
+/// vibrates far above what the controller meets, and so may a payload.
 std::array<double, 2> lowest_and_highest(const dynamics::LinearModel& model) {
   const Eigen::MatrixXd M = model.M, K = model.K;
   const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(K, M);
@@ -51,7 +51,7 @@ std::array<double, 2> on_still_base(const dynamics::LinearModel& model) {
 
 OilModes oil_modes(const dynamics::LinearModel& model) {
   const auto [lowest, highest] =
-      model.base_count() == 0 ? on_still_base(model) : lowest_and_highest(model);
+      model.beyond_legs() == 0 ? on_still_base(model) : lowest_and_highest(model);
   if (!(lowest > 0.0))
     throw base::ComputationError(
         "the rigid-leg model is not stable at this pose (it has no positive lowest frequency), so "

@@ -68,8 +68,8 @@ void put_bodies(const model::Leg& leg, LegNumbers<double>& numbers) {
 }  // namespace
 
 bool fits_lanes(const model::Machine& machine) {
-  return !machine.base_mount && !model::has_chambers(machine) &&
-         !model::has_elastomers(machine) &&
+  return !machine.base_mount && machine.payload_modes.empty() && !model::has_chambers(machine) &&
+         !model::has_elastomers(machine) && !model::has_elastic_legs(machine) &&
          std::ranges::none_of(machine.legs, [](const model::Leg& leg) {
            return leg.guide_sleeve.gap || has_line_inertia(leg);
          });

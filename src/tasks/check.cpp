@@ -37,6 +37,15 @@ void add_offsets(const model::Machine& machine, int i, const dynamics::LegState&
     result.legs[i].ring_offset = state.flexible.tail<2>().norm();
   result.legs[i].gap = leg.guide_sleeve.gap;
   result.legs[i].on_guide = bent.element.k_contact > 0.0;
+  const auto& element = bent.element;
+  if (kind == dynamics::ModelKind::rigid || !(element.bending > 0.0)) return;
+  result.legs[i].bending = element.bending;
+  result.legs[i].bow = element.bending * element.bending_force.norm();
+  auto unloaded = state;
+  unloaded.rod_compression = 0.0;
+  const auto free = dynamics::bent_leg(leg, result.pose.X_BP * leg.platform_joint,
+                                       machine.flexible_axes, machine.gravity, unloaded);
+  result.legs[i].bow_growth = element.bending / free.element.bending;
 }
 
 /// The legs whose rods the seals let down on their guide rings.

@@ -81,6 +81,42 @@ TEST(Attribution, TellsSleevesFromRings) {
   }
 }
 
+/// Seals and beams in series: with stiff sleeves what is lost belongs to the beams.
+TEST(Attribution, GivesToRodsAndCasesWhatStiffSleevesLeave) {
+  const auto machine = heavy({"legs.bending=elastic", "legs.guide_sleeve.stiffness=400 kN/mm"});
+  for (const auto& drop : attribute_drops(machine, machine.neutral(), ModelKind::guide)) {
+    ASSERT_EQ(drop.parts.size(), 14U);
+    EXPECT_EQ(report::part_name(drop.parts[1].part), "bending of rods and cases of all legs");
+    EXPECT_EQ(report::part_name(drop.parts[10].part), "rod and case of leg 3");
+    if (drop.resonance.main_direction > 1) continue;
+    EXPECT_GT(drop.parts[1].share, 0.9);
+    EXPECT_LT(drop.parts[0].share, 0.1);
+  }
+}
+
+TEST(Remedy, OfSleevesEndsWhereRodsAndCasesBend) {
+  const auto machine = heavy({"legs.bending=elastic"});
+  const std::vector<model::NamedPose> neutral{machine.poses.front()};
+  const auto found = find_remedy(machine, neutral, ModelKind::guide, {.drop = 0.02});
+  ASSERT_TRUE(found.limit_without_bending);
+  EXPECT_GT(found.limit.drop, found.limit_without_bending->drop + 1e-3);
+  EXPECT_LT(found.limit.omega, found.limit_without_bending->omega);
+  auto straight = heavy();
+  for (auto& leg : straight.legs) leg.guide_sleeve.stiffness *= 1e5;
+  const auto rigid = first_resonances(straight, straight.neutral(), ModelKind::guide);
+  double drop = 0.0;
+  for (const auto& resonance : rigid) drop = std::max(drop, resonance.drop());
+  EXPECT_NEAR(found.limit_without_bending->drop, drop, 1e-12);
+  const double half_way = 0.5 * (found.limit.drop + found.limit_without_bending->drop);
+  CaseFile file{.machine = machine, .kind = ModelKind::guide, .pose = "neutral"};
+  file.goal = {.drop = half_way};
+  file.remedy = find_remedy(machine, neutral, ModelKind::guide, file.goal);
+  EXPECT_EQ(file.remedy->status, RemedyStatus::out_of_reach);
+  EXPECT_THAT(report::summary(file),
+              testing::Contains(testing::HasSubstr("Bending of rods and cases limits")));
+  EXPECT_FALSE(find_remedy(heavy(), neutral, ModelKind::guide, {.drop = 0.02}).limit_without_bending);
+}
+
 TEST(Remedy, StiffnessPutIntoTheMachineGivesThePromisedDrop) {
   const auto machine = heavy();
   const auto found = find_remedy(machine, machine.poses, ModelKind::guide, {.drop = 0.02});

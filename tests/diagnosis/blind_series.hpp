@@ -11,7 +11,6 @@
 #include <cstdlib>
 #include <filesystem>
 #include "hydrapod/base/file.hpp"
-#include "hydrapod/diagnosis/goodness.hpp"
 #include "hydrapod/model/machine_file.hpp"
 #include "hydrapod/report/measured_results.hpp"
 #include "support/binomial.hpp"

@@ -1,6 +1,6 @@
 /// What a χ² says of a hypothesis, in closed forms.
 
-#include "hydrapod/diagnosis/goodness.hpp"
+#include "hydrapod/diagnosis/diagnose.hpp"
 
 #include <gtest/gtest.h>
 

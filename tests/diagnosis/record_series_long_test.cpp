@@ -6,7 +6,7 @@
 #include <iostream>
 
 #include "by_record.hpp"
-#include "hydrapod/diagnosis/goodness.hpp"
+#include "hydrapod/diagnosis/diagnose.hpp"
 #include "planted_faults.hpp"
 
 namespace hydrapod::test {

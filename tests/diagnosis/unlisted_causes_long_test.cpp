@@ -6,7 +6,7 @@
 
 #include <iostream>
 
-#include "hydrapod/diagnosis/goodness.hpp"
+#include "hydrapod/diagnosis/diagnose.hpp"
 #include "planted_faults.hpp"
 #include "support/binomial.hpp"
 #include "support/unlisted_causes.hpp"

@@ -1,6 +1,7 @@
 /// Equivalent springs and dampers against describing functions in closed form.
 
-#include "hydrapod/dynamics/equivalent.hpp"
+#include "hydrapod/dynamics/linear_model.hpp"
+#include "hydrapod/hydraulics/servo_axis.hpp"
 
 #include <gtest/gtest.h>
 
@@ -90,14 +91,14 @@ TEST(FrictionEquivalent, OfBristlesIsThatOfTheirHysteresis) {
       sine += F * std::sin(tau) * pi / points;
     }
     const double stiffness = 2.0 * cosine / (pi * A), damping = 2.0 * sine / (pi * A * omega);
-    const auto found = dynamics::friction_equivalent(bristles(sigma, F_c), A, omega);
+    const auto found = hydraulics::friction_equivalent(bristles(sigma, F_c), A, omega);
     EXPECT_NEAR(found.stiffness, stiffness, 2e-3 * stiffness + 1e-9 * sigma) << A;
     EXPECT_NEAR(found.damping, damping, 2e-3 * damping + 1e-9 * sigma / omega) << A;
   }
   // Bristles that only stick are their spring; long strokes are Coulomb's damper 4 F_c/(π A ω).
-  EXPECT_NEAR(dynamics::friction_equivalent(bristles(sigma, F_c), 1e-12, omega).stiffness, sigma,
+  EXPECT_NEAR(hydraulics::friction_equivalent(bristles(sigma, F_c), 1e-12, omega).stiffness, sigma,
               1e-6 * sigma);
-  EXPECT_NEAR(dynamics::friction_equivalent(bristles(sigma, F_c), 0.1, omega).damping,
+  EXPECT_NEAR(hydraulics::friction_equivalent(bristles(sigma, F_c), 0.1, omega).damping,
               4.0 * F_c / (pi * 0.1 * omega), 0.01 * F_c / (0.1 * omega));
 }
 
@@ -106,10 +107,10 @@ TEST(FrictionEquivalent, OfTheSmoothLawIsADamperAlone) {
   friction.coulomb = friction.breakaway = 411.0;
   friction.smoothing_velocity = 0.002;
   friction.viscous = 1e5;  // left out
-  const auto slow = dynamics::friction_equivalent(friction, 1e-6, 31.0);
+  const auto slow = hydraulics::friction_equivalent(friction, 1e-6, 31.0);
   EXPECT_NEAR(slow.damping, 411.0 / 0.002, 1e-3 * 411.0 / 0.002);  // the slope of the tanh
   EXPECT_NEAR(slow.stiffness, 0.0, 1e-6 * slow.damping * 31.0);
-  const auto fast = dynamics::friction_equivalent(friction, 0.2, 31.0);
+  const auto fast = hydraulics::friction_equivalent(friction, 0.2, 31.0);
   EXPECT_NEAR(fast.damping, 4.0 * 411.0 / (pi * 0.2 * 31.0), 0.01 * fast.damping);
 }
 

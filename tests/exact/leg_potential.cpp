@@ -3,6 +3,8 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 namespace hydrapod::test {
 
@@ -54,20 +56,39 @@ Eigen::Matrix<Real, 2, 1> LegPotential::sleeve_offset(const Coordinates& x) cons
   return x.tail<2>() + along * shape.e.head<2>() / shape.e.z();
 }
 
+Real LegPotential::bending_compliance(Real s) const {
+  if (leg_.bending == model::LegBending::rigid) return 0;
+  const auto EI = [&](Real diameter, Real wall) {
+    const Real inside = diameter - 2 * wall;
+    return Real(leg_.rod.youngs_modulus) * std::numbers::pi_v<Real> / 64 *
+           (std::pow(diameter, 4) - std::pow(inside, 4));
+  };
+  const auto& tube = leg_.cylinder_case;
+  const Real a = leg_.guide_sleeve.position - s, b = leg_.rod.length - a;
+  return a * a * b * b / (3 * (a + b) * EI(*leg_.rod.diameter, *leg_.rod.wall)) +
+         a * a * (s + a) / (3 * EI(*tube.diameter, *tube.wall));
+}
+
 Real LegPotential::energy(const Coordinates& x) const {
   const Shape shape = close(x);
   const Vector3L base = leg_.base_joint.cast<Real>(), n = shape.R.col(2);
   const Vector3L case_center = base + Real(leg_.cylinder_case.mass_center) * n;
   const Vector3L rod_center =
       base + shape.R * (Vector3L(x[5], x[6], shape.s) + Real(leg_.rod.mass_center) * shape.e);
-  const Vector3L offset(sleeve_offset(x)[0], sleeve_offset(x)[1], 0);
   // The sharp corner: the library's law has the same force and stiffness beyond 1.1 times the gap.
-  const Real pressed =
-      leg_.guide_sleeve.gap ? std::max(offset.norm() - Real(*leg_.guide_sleeve.gap), Real(0)) : 0;
+  // Rod and case that bend are in series, without a compression: d = δ + f (k_s δ + k_c (δ − g)).
+  const Real f = bending_compliance(shape.s), k_s = leg_.guide_sleeve.stiffness;
+  const Real k_c = leg_.guide_sleeve.guide_stiffness, chords = sleeve_offset(x).norm();
+  Real offset = chords / (1 + f * k_s), pressed = 0;
+  if (leg_.guide_sleeve.gap && offset > Real(*leg_.guide_sleeve.gap)) {
+    const Real gap = *leg_.guide_sleeve.gap;
+    offset = (chords + f * k_c * gap) / (1 + f * (k_s + k_c));
+    pressed = offset - gap;
+  }
+  const Real force = k_s * offset + k_c * pressed;
   const Real k_g = leg_.piston_ring ? leg_.piston_ring->stiffness : 0.0;
   return oil_force_ * shape.s +
-         Real(0.5) * leg_.guide_sleeve.stiffness * sleeve_offset(x).squaredNorm() +
-         Real(0.5) * leg_.guide_sleeve.guide_stiffness * pressed * pressed +
+         Real(0.5) * (k_s * offset * offset + k_c * pressed * pressed + f * force * force) +
          Real(0.5) * k_g * x.tail<2>().squaredNorm() -
          gravity_.dot(leg_.cylinder_case.mass * case_center + leg_.rod.mass * rod_center);
 }

@@ -45,6 +45,8 @@ class LegPotential {
     Real s;
   };
   [[nodiscard]] Shape close(const Coordinates& x) const;
+  /// Of rod and case between their chords at the guide sleeve [m/N].
+  [[nodiscard]] Real bending_compliance(Real s) const;
 
   const model::Leg& leg_;
   Vector3L a1_, gravity_;

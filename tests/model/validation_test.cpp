@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "hydrapod/model/machine_file.hpp"
+#include "hydrapod/model/parameters.hpp"
 #include "sound_machine.hpp"
 #include "support/random_machine.hpp"
 
@@ -339,6 +340,31 @@ TEST(Validation, OfNumbersThatStandAloneIsTheirBound) {
   }
   EXPECT_GT(alone, 150);
   EXPECT_GT(unsound, alone);
+}
+
+TEST(Bending, NeedsToKnowHowThickTheRodIs) {
+  auto machine = full_machine();
+  for (Leg& leg : machine.legs) leg.bending = LegBending::elastic;
+  EXPECT_THAT(findings_about(machine), IsEmpty());  // the cylinder says it
+  machine.legs[3].oil_spring = {.stiffness = 2e7};
+  EXPECT_THAT(findings_about(machine),
+              testing::Contains(testing::AllOf(testing::HasSubstr("bending: is \"elastic\" for a rod "
+                                                                  "of unknown thickness"),
+                                               testing::HasSubstr("`rod.diameter`"))));
+  machine.legs[3].rod.diameter = 0.051;
+  EXPECT_THAT(findings_about(machine), IsEmpty());
+}
+
+TEST(Bending, MakesTheSectionsOfRodAndCaseMechanical) {
+  auto machine = full_machine();
+  const auto id = find_parameter(machine, "legs.rod.youngs_modulus");
+  ASSERT_TRUE(id);
+  EXPECT_FALSE(of_mechanics(machine, *id));
+  machine.legs[0].bending = LegBending::elastic;
+  EXPECT_TRUE(of_mechanics(machine, *id));
+  const auto yield = find_parameter(machine, "legs.rod.yield_strength");
+  ASSERT_TRUE(yield);
+  EXPECT_FALSE(of_mechanics(machine, *yield));
 }
 
 }  // namespace

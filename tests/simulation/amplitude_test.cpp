@@ -1,6 +1,6 @@
 /// Modes at amplitudes (harmonic balance) against free swings of the nonlinear plant.
 
-#include "hydrapod/modal/amplitude.hpp"
+#include "hydrapod/modal/damped_modes.hpp"
 
 #include <gtest/gtest.h>
 
@@ -54,25 +54,17 @@ class Swing {
   PlantInput input_;
 };
 
-struct Case {
-  const char* name;
-  double gravity;
-  double softer;  ///< k_s of the paper over this
-};
-void PrintTo(const Case& test, std::ostream* out) { *out << test.name; }
-
-class SwingsOnTheGuide : public testing::TestWithParam<Case> {};
-
-TEST_P(SwingsOnTheGuide, HaveTheFrequencyOfTheHarmonicBalance) {
-  auto machine = test::symmetric_machine(GetParam().gravity);
+/// Under its weight a rod of this machine stands 0.82 mm off its axis. Here that is within the gap:
+/// small swings meet the seals alone, larger ones the guide ring as well.
+TEST(SwingsOnTheGuide, HaveTheFrequencyOfTheHarmonicBalance) {
+  auto machine = test::symmetric_machine(9.81);
   machine.damping.modal_ratio = 0.0;
   for (auto& leg : machine.legs) {
-    leg.guide_sleeve.stiffness *= GetParam().softer;
-    leg.guide_sleeve.gap = 2e-4;
-    leg.guide_sleeve.guide_stiffness = 2e7;
+    leg.guide_sleeve.gap = 1.1e-3;
+    leg.guide_sleeve.guide_stiffness = 1.3e6;
   }
   const auto& X_BP = machine.neutral();
-  const std::vector<double> amplitudes{3e-4, 1.1e-3, 4e-3};
+  const std::vector<double> amplitudes{3e-4, 9e-4, 2.7e-3};
   const auto curves =
       modal::modes_at_amplitudes(machine, X_BP, ModelKind::guide, amplitudes);
   const auto& lowest = curves.front();
@@ -106,11 +98,6 @@ TEST_P(SwingsOnTheGuide, HaveTheFrequencyOfTheHarmonicBalance) {
                        " rad/s, simulated " + std::to_string(measured));
   }
 }
-
-INSTANTIATE_TEST_SUITE_P(, SwingsOnTheGuide,
-                         testing::Values(Case{"without_weight", 0.0, 1.0},
-                                         Case{"with_weight", 9.81, 4.0}),
-                         [](const auto& test) { return test.param.name; });
 
 }  // namespace
 }  // namespace hydrapod::simulation

@@ -156,6 +156,9 @@ TEST(LaneDesignsOfMachines, FitWhereTheKernelKnowsAllTheirParts) {
   other.legs[5].guide_sleeve.gap = 2e-4;
   EXPECT_FALSE(study::fits_lanes(other));
   other = machine;
+  other.legs[2].bending = model::LegBending::elastic;
+  EXPECT_FALSE(study::fits_lanes(other));
+  other = machine;
   other.damping.oil = model::OilDamping::chambers;
   EXPECT_FALSE(study::fits_lanes(other));
   other = machine;

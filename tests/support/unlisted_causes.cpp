@@ -8,7 +8,7 @@
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/dynamics/linear_model.hpp"
 #include "hydrapod/kinematics/legs.hpp"
-#include "hydrapod/modal/amplitude.hpp"
+#include "hydrapod/modal/damped_modes.hpp"
 #include "hydrapod/modal/normal_modes.hpp"
 #include "hydrapod/observation/pairing.hpp"
 

@@ -89,6 +89,8 @@ model::Machine machine_of(const Json& editable) {
     if (row.find != nullptr) take_numbers(editable.at("numbers"), row, machine);
     if (row.word != nullptr) take_words(editable.at("words"), row, machine);
   }
+  for (std::size_t k = 0; k < machine.payload_modes.size(); ++k)
+    machine.payload_modes[k].name = editable.at("payload_modes").at(k).get<std::string>();
   return machine;
 }
 
@@ -118,7 +120,8 @@ Json Core::parameters() const {
                     {"bound", bound_json(row.bound)},
                     {"meaning", row.meaning},
                     {"mechanics", model::of_mechanics(id)},
-                    {"single", id.of != 0 && !row.path.starts_with("poses.")}});
+                    {"single", id.of != 0 && !row.path.starts_with("poses.") &&
+                                   !row.path.starts_with("payload_modes.")}});
     if (row.numbers == 1 || id.element == model::whole) continue;
     // files and overrides hold an array as a whole
     const auto key = path.find_last_of(row.kind == model::Kind::tensor ? '.' : '[');

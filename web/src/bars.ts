@@ -18,12 +18,20 @@ export const energyParts = (strain: {
   guide_sleeve: number;
   piston_ring: number;
   base_mount?: number;
+  payload?: number;
+  bending?: number;
 }): Part[] => [
   { name: 'oil', long: 'oil', value: strain.oil, kind: 'oil' },
   { name: 'sleeves', long: 'guide sleeves', value: strain.guide_sleeve, kind: 'sleeve' },
   { name: 'rings', long: 'piston rings', value: strain.piston_ring, kind: 'ring' },
   ...(strain.base_mount
     ? [{ name: 'base', long: 'base', value: strain.base_mount, kind: 'legs' }]
+    : []),
+  ...(strain.payload
+    ? [{ name: 'payload', long: 'payload', value: strain.payload, kind: 'legs' }]
+    : []),
+  ...(strain.bending
+    ? [{ name: 'bending', long: 'bending of rods and cases', value: strain.bending, kind: 'legs' }]
     : []),
 ];
 
@@ -44,6 +52,9 @@ export const motionParts = (mode: Mode): Part[] => [
           kind: 'legs',
         },
       ]
+    : []),
+  ...(mode.payload_energy
+    ? [{ name: 'payload', long: 'payload', value: mode.payload_energy, kind: 'legs' }]
     : []),
 ];
 

@@ -9,8 +9,11 @@ export interface Strain {
   guide_sleeve: number;
   piston_ring: number;
   base_mount?: number;
+  payload?: number;
+  /** Of legs that bend. */
+  bending?: number;
   preload: number;
-  per_leg: { oil: number[]; guide_sleeve: number[]; piston_ring: number[] };
+  per_leg: { oil: number[]; guide_sleeve: number[]; piston_ring: number[]; bending?: number[] };
 }
 
 export interface Mode {
@@ -26,6 +29,8 @@ export interface Mode {
   leg_energy: number[];
   /** Of a base with coordinates of its own. */
   base_energy?: number[];
+  /** Of modes of the payload, in absolute motion. */
+  payload_energy?: number;
   strain_energy: Strain;
   shape: number[];
   shape_imaginary?: number[];
@@ -91,7 +96,7 @@ export interface Answer {
   mode: number;
   frequency_hz: number;
   directions: string;
-  strain_energy: { oil: number; guide_sleeve: number; piston_ring: number };
+  strain_energy: { oil: number; guide_sleeve: number; piston_ring: number; bending?: number };
   rigid_mode?: number;
   rigid_frequency_hz?: number;
   drop_percent?: number;
@@ -152,6 +157,7 @@ export interface PoseCheck {
     static_tilt_rad: number;
     sleeve_offset_m: number;
     guide_gap_m?: number;
+    bow_m?: number;
     retract_left_m?: number;
     extend_left_m?: number;
     cap_pressure_Pa?: number | null;
@@ -292,7 +298,14 @@ export interface DiagnosedMode {
   rigid_hz: number | null;
   rigid_mac: number;
   drop: number;
-  strain_energy: { oil: number; guide_sleeve: number; piston_ring: number; base_mount: number };
+  strain_energy: {
+    oil: number;
+    guide_sleeve: number;
+    piston_ring: number;
+    base_mount: number;
+    payload?: number;
+    bending?: number;
+  };
 }
 
 export interface Hypothesis {

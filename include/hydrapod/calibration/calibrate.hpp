@@ -291,6 +291,9 @@ struct ModePoint {
   /// Of LinearModel::against_base.
   std::vector<dynamics::PlatformRows> against_base_derivatives{};
   Eigen::MatrixXd domega2{};  ///< modes × parameters
+  /// Of a machine with elastomers, per mode the ω and ζ of the damped mode that it is: the undamped
+  /// modes have the dampers of the seals' arms rigid. Else empty.
+  std::vector<double> damped_omega{}, damped_ratio{};
 };
 
 /// A machine with the numbers of it that vary: a parameter sets all of its ids to one value.

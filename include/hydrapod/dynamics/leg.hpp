@@ -146,6 +146,29 @@ using SealArms = std::array<SealArm, arms_per_seal>;
 /// `stiffness`: k of slow motions [N/m].
 SealArms seal_arms(double stiffness, const model::Elastomer& elastomer, double step = 8.0);
 
+/// The guide ring under a rod that swings.
+struct GuideEquivalent {
+  /// Beside k_s: S = 1/π ∮ (∂f/∂d) sin² θ dθ, symmetric, S a = the part of the force at ω.
+  Eigen::Matrix2d stiffness{Eigen::Matrix2d::Zero()};
+  Vector2 mean{Vector2::Zero()};  ///< d̄ about which it swings [m]
+  bool touches{};                 ///< somewhere in the period
+};
+
+/// `rest`: static offset, `amplitude`: a, both along t and a2 [m]. d̄ is where the mean force of seal
+/// and guide ring is that at rest.
+GuideEquivalent guide_equivalent(const model::GuideSleeve& sleeve, const Vector2& rest,
+                                 const Vector2& amplitude);
+
+/// What amplitudes leave of an elastomer's stiffness (Payne effect, after Kraus):
+/// 1 − softening r/(1 + r), r = (A / softening_amplitude)^1.2.
+double softened(const model::Elastomer& elastomer, double amplitude);
+
+/// A seal k with arms, in series with what bends: springs and arms once more, since k(p) / (1 + f
+/// k(p)) falls from one real pole to the next. Returned are those arms that act on δ = d/(1 + f k)
+/// of the slow motion: beside k/(1 + f k) of d they give the exact stiffness. `k` of slow motions
+/// [N/m], `f` [m/N].
+SealArms arms_in_series(const SealArms& arms, double k, double f);
+
 /// What a base that moves feels of a leg on it, about the origin of B in its axes.
 struct LegOnBase {
   /// Linear [kg m/s] and angular momentum [kg m²/s] per ẋ, in the leg's motion against the base.

@@ -155,6 +155,9 @@ model::Machine with_seal_dampers(model::Machine machine, ModelKind kind,
 /// supply does not hold a leg.
 model::Machine with_pressed_seals(model::Machine machine, const spatial::Pose& X_BP);
 
+/// Of something that follows the coordinates of leg `leg` with `per_x`: its rate per y.
+ModelVector per_coordinate(const LinearModel& model, int leg, const Vector7& per_x);
+
 /// Names of the coordinates: "x", …, "rz", "leg1.phi1", "leg1.phi2", "leg1.u1", …, "base.x", …,
 /// "payload.cabin", ….
 std::vector<std::string> coordinate_names(ModelKind kind,

@@ -227,6 +227,17 @@ BristleFrictionOf<Scalar> bristle_friction(const FrictionOf<Scalar>& friction, G
           friction.bristle_stiffness * z + friction.bristle_damping * rate + friction.viscous * v};
 }
 
+/// A spring and a damper that stand for a force f(x, ẋ) which is not linear, for the motion x = A cos
+/// ωt (harmonic balance, docs/theory/amplitude.md): the part of f at ω is k A cos ωt − c ω A sin ωt.
+struct Equivalent {
+  double stiffness{};  ///< k [N/m]
+  double damping{};    ///< c [N s/m]
+};
+
+/// Of the friction of a cylinder's seals along the leg at the amplitude A [m] > 0 and ω [rad/s]:
+/// bristles, which are a spring while they stick, or the smooth law. Its viscous part is left out.
+Equivalent friction_equivalent(Friction friction, double amplitude, double omega);
+
 /// Whether the supply pressure is a state.
 inline bool is_dynamic(const model::Supply& supply) { return supply.pump_flow.has_value(); }
 

@@ -232,7 +232,7 @@ struct Rod {
 struct Elastomer {
   double dynamic_ratio{};      ///< k'(ω)/k at `frequency`, > 1
   double loss_factor{};        ///< η = k''/k' there, > 0
-  double frequency{};          ///< ω [rad/s] at which both hold
+  double frequency{};          ///< [Hz] at which both hold
   double softening{};          ///< share of k that large amplitudes take away, [0, 1)
   double softening_amplitude{1e-4};  ///< [m] at which half of that is gone
   double pressure_stiffening{};      ///< growth of k per pressure of the oil beside the seal [1/Pa]

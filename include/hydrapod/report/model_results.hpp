@@ -17,6 +17,7 @@
 
 #include "hydrapod/dynamics/linear_model.hpp"
 #include "hydrapod/kinematics/legs.hpp"
+#include "hydrapod/modal/damped_modes.hpp"
 #include "hydrapod/realtime/realtime.hpp"
 #include "hydrapod/report/json.hpp"
 #include "hydrapod/response/frequency_response.hpp"
@@ -289,6 +290,29 @@ Json modes_at_poses_json(const ModesAtPoses& modes);
 ModesAtPoses modes_at_poses_from_json(const Json& json, const std::string& file);
 /// A line per followed mode and pose.
 std::string modes_at_poses_csv(const ModesAtPoses& modes);
+
+struct ModesAtAmplitudes {
+  std::vector<double> amplitudes{};             ///< [m] of the platform joint that moves most
+  std::vector<modal::AmplitudeCurve> curves{};  ///< a mode each
+};
+/// `amplitude_m[]`, and `curves[]` with `mode`, `direction`, `frequency_hz` of small motions and
+/// `points[]`.
+Json modes_at_amplitudes_json(const ModesAtAmplitudes& modes);
+ModesAtAmplitudes modes_at_amplitudes_from_json(const Json& json, const std::string& file);
+/// A line per mode and amplitude.
+std::string modes_at_amplitudes_csv(const ModesAtAmplitudes& modes);
+/// Frequency and damping ratio over the amplitude. Needs gnuplot; see plot_bode.
+void plot_modes_at_amplitudes(const ModesAtAmplitudes& modes, const std::string& title,
+                              const std::string& subtitle, const std::string& path);
+
+/// How high a resonance stands beside that of rigid legs. A force along a rigid-leg mode ψ meets a
+/// mode of the flexible model that holds the share MAC of ψ. At its resonance the response along ψ is
+/// MAC/(2 ζ ω²), that of the rigid-leg model 1/(2 ζ ω_r²). With equal damping ratios their quotient
+/// is MAC (ω_r/ω)², which is also the mode's share of the static compliance over that of rigid legs.
+/// [rad/s]; 0 where `omega` is 0, of a mode that there is not.
+inline double peak_height(double mac, double omega, double omega_rigid) {
+  return omega > 0.0 ? mac * (omega_rigid / omega) * (omega_rigid / omega) : 0.0;
+}
 
 /// Throws base::InputError for a picture ending that plots do not know.
 void require_picture_ending(const std::string& path);

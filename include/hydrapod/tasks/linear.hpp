@@ -18,7 +18,6 @@
 
 #include "hydrapod/calibration/calibrate.hpp"
 #include "hydrapod/exchange/exchange.hpp"
-#include "hydrapod/report/amplitude_results.hpp"
 #include "hydrapod/report/model_results.hpp"
 #include "hydrapod/tasks/machine.hpp"
 

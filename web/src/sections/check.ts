@@ -115,6 +115,7 @@ function legTable(pose: PoseCheck): HTMLElement {
     ['rod side, bar', (leg) => leg.rod_pressure_Pa && 1e-5 * leg.rod_pressure_Pa, 1],
     ['rod off its axis, mm', (leg) => 1e3 * leg.sleeve_offset_m, 2],
     ['gap of the guide, mm', (leg) => leg.guide_gap_m && 1e3 * leg.guide_gap_m, 2],
+    ['bow of rod and case, mm', (leg) => leg.bow_m && 1e3 * leg.bow_m, 3],
   ];
   const shown = columns.filter(([, value]) => pose.legs.some((leg) => typeof value(leg) === 'number'));
   return html(

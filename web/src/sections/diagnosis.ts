@@ -25,6 +25,12 @@ const energy = (strain: DiagnosedMode['strain_energy']): Part[] => [
   { name: 'sleeves', long: 'guide sleeves', value: strain.guide_sleeve, kind: 'sleeve' },
   { name: 'rings', long: 'piston rings', value: strain.piston_ring, kind: 'ring' },
   { name: 'base', long: 'base', value: strain.base_mount, kind: 'legs' },
+  ...(strain.payload
+    ? [{ name: 'payload', long: 'payload', value: strain.payload, kind: 'legs' }]
+    : []),
+  ...(strain.bending
+    ? [{ name: 'bending', long: 'bending of rods and cases', value: strain.bending, kind: 'legs' }]
+    : []),
 ];
 
 /** The mode of the page's first pose whose frequency is closest to the fitted one of `mode`. */

@@ -1,0 +1,108 @@
+#include "hydrapod/base/file.hpp"
+#include "hydrapod/base/units.hpp"
+#include "hydrapod/command.hpp"
+#include "hydrapod/tasks/linear.hpp"
+
+namespace hydrapod::cli {
+
+namespace {
+
+struct Arguments {
+  MachineArguments machine{};
+  std::string stiffness{}, mass{}, damping{}, punch{}, at{"0,0,0"}, damping_ratio{}, output{};
+  int grid{exchange::dmig_platform}, modes{};
+  bool add_mass{};
+};
+
+tasks::AttachOptions options_of(const Arguments& arguments, std::size_t there) {
+  tasks::AttachOptions options;
+  if (arguments.punch.empty() == arguments.stiffness.empty())
+    base::refuse("attach", "expected --stiffness and --mass (Matrix Market), or --punch (Nastran)");
+  if (!arguments.stiffness.empty() && arguments.mass.empty())
+    base::refuse("--stiffness " + arguments.stiffness, "needs --mass, the mass matrix");
+  if (!arguments.punch.empty() && !(arguments.mass.empty() && arguments.damping.empty()))
+    base::refuse("--punch " + arguments.punch, "has mass and damping in it; leave --mass and "
+                                               "--damping out");
+  options.stiffness = arguments.punch.empty() ? arguments.stiffness : arguments.punch;
+  options.mass = arguments.mass;
+  options.damping = arguments.damping;
+  options.grid = arguments.grid;
+  options.p_PI = point(arguments.at);
+  options.modes =
+      arguments.modes > 0 ? arguments.modes : model::most_payload_modes - static_cast<int>(there);
+  if (!arguments.damping_ratio.empty())
+    options.damping_ratio = plain_or_quantity("--damping-ratio", arguments.damping_ratio, "1");
+  options.add_mass = arguments.add_mass;
+  return options;
+}
+
+std::string attached_text(const tasks::Attached& attached, const TableStyle& style) {
+  Table table({"<mode", "Hz", "damping", "mass kg", "<along"});
+  for (const auto& mode : attached.payload.modes) {
+    const spatial::Vector3& l = *mode.participation;
+    const double size = l.norm();
+    table.add_row({mode.name, fmt::format("{:.3f}", mode.frequency / base::two_pi),
+                   fmt::format("{:.2f} %", 100.0 * mode.damping_ratio),
+                   fmt::format("{:.4g}", size * size),
+                   size > 0.0 ? fmt::format("{:.3f}, {:.3f}, {:.3f}", l.x() / size, l.y() / size,
+                                            l.z() / size)
+                              : "rotation"});
+  }
+  std::string text = table.text(style);
+  const auto& payload = attached.payload;
+  text += fmt::format("mass of the structure: {:.5g} kg\n", payload.mass(0, 0));
+  if (payload.first_left_out > 0.0)
+    text += fmt::format("modes from {:.4g} Hz on are left out: their mass moves with the platform\n",
+                        payload.first_left_out / base::two_pi);
+  return text;
+}
+
+void run(const Arguments& arguments) {
+  if (arguments.output == "-") base::refuse("-o -", "the report goes to the standard output");
+  require_ending("-o of attach", arguments.output, ".toml");
+  const auto machine = load(arguments.machine);
+  const auto options = options_of(arguments, machine.file.machine.payload_modes.size());
+  const auto attached = tasks::attach_payload(machine, options);
+  fmt::print("{}\n\n{}\n", machine.file.machine.name, attached_text(attached, table_style("-")));
+  write_output(arguments.output, attached.file.text);
+}
+
+}  // namespace
+
+void add_attach(Command app) {
+  Command command = app.add_command(
+      "attach", "Put a flexible payload of a finite-element program on the platform",
+      {{"attach machine.toml --stiffness cabin.K.mtx --mass cabin.M.mtx --add-mass -o cabin.toml",
+        "a superelement in Matrix Market files, whose mass the file does not contain"},
+       {"attach machine.toml --punch cabin.pch --grid 1 --at \"0,0,0.3\" -o cabin.toml",
+        "a Nastran punch file, its interface 0.3 m above the joints"}});
+  auto& arguments = command.calls(&run);
+  add_machine_options(command, arguments.machine);
+  command.add_options(
+      {{"--stiffness",
+        arguments.stiffness,
+        "Stiffness matrix, Matrix Market: x, y, z, rx, ry, rz of the interface, then inner "
+        "coordinates",
+        {.file = FileUse::input}},
+       {"--mass", arguments.mass, "Mass matrix of the same coordinates", {.file = FileUse::input}},
+       {"--damping", arguments.damping, "Viscous damping matrix of the same coordinates",
+        {.file = FileUse::input}},
+       {"--punch", arguments.punch, "Nastran punch file with DMIG matrices K…, M… and B…",
+        {.file = FileUse::input}},
+       {"--grid", arguments.grid, "Grid point of a punch file that is the platform",
+        range(1, 99999999)},
+       {"--at", arguments.at, "Interface on the platform, \"x,y,z\" in its frame; default: its "
+                              "origin"},
+       {"--modes", arguments.modes, "Modes that are kept, the lowest; default: six in all",
+        range(1, model::most_payload_modes)},
+       {"--damping-ratio", arguments.damping_ratio,
+        "Of modes where no damping matrix is given: 0.02 or \"2 %\""},
+       {"--add-mass", arguments.add_mass,
+        "Add mass and inertia of the structure to those of the platform"},
+       {"-o,--output",
+        arguments.output,
+        "Machine file to write",
+        {.required = true, .file = FileUse::output}}});
+}
+
+}  // namespace hydrapod::cli

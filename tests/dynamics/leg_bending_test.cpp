@@ -1,0 +1,527 @@
+/// Rods and cases that bend: against beam elements, as a potential, and in the machine.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+#include "dynamics/guide_contact.hpp"
+#include "dynamics/leg_beams.hpp"
+#include "exact/leg_potential.hpp"
+#include "exact/plane_beams.hpp"
+#include "hydrapod/dynamics/linear_model.hpp"
+#include "hydrapod/dynamics/nonlinear.hpp"
+#include "hydrapod/dynamics/statics.hpp"
+#include "hydrapod/modal/normal_modes.hpp"
+#include "support/eigenvalues.hpp"
+#include "support/random_machine.hpp"
+
+namespace hydrapod::test {
+namespace {
+
+using dynamics::LegBeams;
+using dynamics::LegElement;
+using dynamics::LegState;
+using dynamics::leg_beams;
+using dynamics::leg_on_base;
+using dynamics::straight_leg;
+using dynamics::Matrix7;
+using dynamics::ModelKind;
+using dynamics::Vector7;
+using spatial::Vector3;
+using std::numbers::pi;
+
+/// A tube, and where point masses sit on it.
+struct Tube {
+  double diameter{}, wall{}, density{};
+  double length{};            ///< [m]
+  double at_start{}, at_end{};  ///< [kg]
+
+  [[nodiscard]] double inside() const { return diameter - 2.0 * wall; }
+  [[nodiscard]] double mu() const {
+    return density * pi / 4.0 * (diameter * diameter - inside() * inside());
+  }
+  [[nodiscard]] double second_moment() const {
+    return pi / 64.0 * (std::pow(diameter, 4) - std::pow(inside(), 4));
+  }
+  [[nodiscard]] double mass() const { return mu() * length + at_start + at_end; }
+  [[nodiscard]] double center() const {
+    return (0.5 * mu() * length * length + at_end * length) / mass();
+  }
+  [[nodiscard]] double inertia() const {
+    return mu() * std::pow(length, 3) / 3.0 + at_end * length * length -
+           mass() * center() * center();
+  }
+};
+
+constexpr double E = 2.03e11;
+/// Sections of models/heavy-platform.toml, with pistons, eyes and heads as point masses.
+constexpr Tube rod_tube{0.0703, 0.0101, 7830.0, 1.153, 4.1, 1.9};
+constexpr Tube case_tube{0.1147, 0.0074, 7790.0, 1.247, 5.3, 4.7};
+
+model::Leg leg_of_tubes(double k_s) {
+  model::Leg leg;
+  leg.bending = model::LegBending::elastic;
+  leg.rod = {.length = rod_tube.length,
+             .mass = rod_tube.mass(),
+             .mass_center = rod_tube.center(),
+             .transverse_inertia = rod_tube.inertia(),
+             .diameter = rod_tube.diameter,
+             .wall = rod_tube.wall,
+             .youngs_modulus = E};
+  leg.cylinder_case = {.mass = case_tube.mass(),
+                       .mass_center = case_tube.center(),
+                       .transverse_inertia = case_tube.inertia(),
+                       .diameter = case_tube.diameter,
+                       .wall = case_tube.wall};
+  leg.guide_sleeve = {.position = case_tube.length, .stiffness = k_s};
+  leg.oil_spring.stiffness = 1.7e7;
+  return leg;
+}
+
+LegElement straight(const model::Leg& leg, double s) {
+  kinematics::LegGeometry geometry;
+  geometry.length = s + leg.rod.length;
+  geometry.n = Vector3(0.13, -0.2, 1.0).normalized();
+  geometry.a = leg.base_joint + geometry.length * geometry.n;
+  return straight_leg(leg, geometry, model::FlexibleAxes::transverse);
+}
+
+/// The leg as beams between pinned joints. The case carries the piston at s.
+struct LegOfBeams {
+  PlaneBeams beams;
+  int piston{PlaneBeams::held}, case_head{}, rod_at_sleeve{};
+};
+
+/// `held`: the piston stays where it is, so that only bows are left; `elements` per span.
+LegOfBeams leg_of_beams(double s, double P, bool held, int elements) {
+  LegOfBeams leg;
+  auto& beams = leg.beams;
+  const double a = case_tube.length - s, b = rod_tube.length - a;
+  const double EI_r = E * rod_tube.second_moment(), EI_c = E * case_tube.second_moment();
+  constexpr int pinned = PlaneBeams::held;
+  if (!held) leg.piston = beams.freedom();
+  leg.case_head = beams.freedom();
+  leg.rod_at_sleeve = beams.freedom();
+  const int base = beams.freedom(), case_slope = beams.freedom(), head_slope = beams.freedom(),
+            rod_slope = beams.freedom(), sleeve_slope = beams.freedom(), end = beams.freedom();
+  beams.add({pinned, base, leg.piston, case_slope}, {s, EI_c, case_tube.mu(), P}, elements);
+  beams.add({leg.piston, case_slope, leg.case_head, head_slope}, {a, EI_c, case_tube.mu()},
+            elements);
+  beams.add({leg.piston, rod_slope, leg.rod_at_sleeve, sleeve_slope}, {a, EI_r, rod_tube.mu(), P},
+            elements);
+  beams.add({leg.rod_at_sleeve, sleeve_slope, pinned, end}, {b, EI_r, rod_tube.mu(), P}, elements);
+  if (!held) beams.add_mass(leg.piston, rod_tube.at_start);
+  beams.add_mass(leg.case_head, case_tube.at_end);
+  return leg;
+}
+
+constexpr std::array positions{0.397, 0.61, 0.83, 1.04, 1.19};  // of the piston [m]
+
+TEST(LegBeams, GiveWayAtTheSleeveAsBeamElementsDo) {
+  constexpr double tolerance = 1e-8;  // rounding of the elements' equations
+  const auto leg = leg_of_tubes(8.4e5);
+  for (const double s : positions) {
+    const auto beams = leg_of_beams(s, 0.0, true, 13);
+    const double f = beams.beams.compliance(beams.case_head, beams.rod_at_sleeve);
+    EXPECT_NEAR(straight(leg, s).bending, f, tolerance * f) << s;
+  }
+}
+
+TEST(LegBeams, GiveWayMoreUnderCompressionAndLessUnderTensionAsBeamElementsDo) {
+  constexpr double tolerance = 1e-7;  // 40 elements per span: (κL/40)⁴/720
+  const auto beams = leg_beams(leg_of_tubes(8.4e5));
+  ASSERT_TRUE(beams);
+  for (const double s : positions) {
+    const double without = beams->compliance(s, 0.0).f;
+    // of 1.3 MN that buckle the rod between its ends
+    for (const double P : {-9.1e5, -3.1e4, -120.0, 3.0, 2.9e4, 3.7e5, 9.3e5}) {
+      const auto elements = leg_of_beams(s, P, true, 40);
+      const double f = elements.beams.compliance(elements.case_head, elements.rod_at_sleeve);
+      EXPECT_NEAR(beams->compliance(s, P).f, f, tolerance * f) << s << " m, " << P << " N";
+      EXPECT_EQ(f > without * (1.0 + tolerance), P > 100.0);
+    }
+  }
+}
+
+TEST(LegBeams, HaveTheSlopesOfTheirCompliance) {
+  // Differences of fourth order; steps of 2 mm leave some 1e-10 of f''.
+  constexpr double h = 2e-3, tolerance = 1e-8;
+  const auto beams = leg_beams(leg_of_tubes(8.4e5));
+  const auto slope = [&](auto part, double s) {
+    return (8.0 * (part(s + h) - part(s - h)) - (part(s + 2.0 * h) - part(s - 2.0 * h))) /
+           (12.0 * h);
+  };
+  for (const double P : {-8.2e5, -2.0, 0.0, 4.0, 5.1e4, 7.7e5})
+    for (const double s : positions) {
+      const auto at = beams->compliance(s, P);
+      const auto f = [&](double x) { return beams->compliance(x, P).f; };
+      const auto f_s = [&](double x) { return beams->compliance(x, P).f_s; };
+      EXPECT_NEAR(at.f_s, slope(f, s), tolerance * std::abs(at.f_s)) << P << " " << s;
+      EXPECT_NEAR(at.f_ss, slope(f_s, s), tolerance * std::abs(at.f_ss)) << P << " " << s;
+    }
+}
+
+TEST(LegBeams, AreNoSofterThanAtTheShareOfEulersLoadThatCounts) {
+  const auto beams = leg_beams(leg_of_tubes(8.4e5));
+  const double euler = pi * pi * beams->EI_rod / (beams->l_mn * beams->l_mn);
+  EXPECT_EQ(beams->compliance(0.7, 5.0 * euler).f,
+            beams->compliance(0.7, 0.95001 * 1e3 * euler).f);
+  EXPECT_GT(beams->compliance(0.7, 5.0 * euler).f, 0.0);
+}
+
+/// Of the tilt with both joints held: ω of the model over that of beam elements, less 1.
+double tilt_error(double k_s, double s, bool with_bow) {
+  const auto leg = leg_of_tubes(k_s);
+  const auto element = straight(leg, s);
+  auto elements = leg_of_beams(s, 0.0, false, 20);
+  elements.beams.add_spring(elements.case_head, elements.rod_at_sleeve, k_s);
+  auto rigid = leg;
+  rigid.bending = model::LegBending::rigid;
+  const double M = (with_bow ? element : straight(rigid, s)).M(3, 3);
+  return std::sqrt(element.K(3, 3) / M / elements.beams.lowest_omega2()) - 1.0;
+}
+
+TEST(LegBending, TiltsAtTheFrequencyOfBeamElements) {
+  for (const double k_s : {8.4e5, 4e6, 2e7, 1e9})
+    for (const double s : positions) {
+      const double error = tilt_error(k_s, s, true), without = tilt_error(k_s, s, false);
+      std::printf("k_s %.1e s %.3f: %+.5f, mass on the chord %+.5f\n", k_s, s, error, without);
+      EXPECT_GE(error, -1e-9);
+      EXPECT_LE(error, 0.02);
+    }
+}
+
+/// A machine of random legs that bend half as much as their seals give way, or as much. Seals are
+/// stiffer than those of the random machine, so that both together carry its load.
+model::Machine bending_machine(Random& random, const RandomMachineOptions& options) {
+  auto machine = random_machine(random, options);
+  for (auto& leg : machine.legs) {
+    leg.bending = model::LegBending::elastic;
+    leg.rod.diameter = random.uniform(0.04, 0.07) * leg.rod.length;
+    leg.rod.wall = 0.3 * *leg.rod.diameter;
+    leg.cylinder_case.diameter = 1.7 * *leg.rod.diameter;
+    leg.cylinder_case.wall = 0.1 * *leg.rod.diameter;
+    leg.rod.youngs_modulus = 2.1e11;
+    kinematics::LegGeometry geometry;
+    geometry.a = machine.neutral() * leg.platform_joint;
+    geometry.length = (geometry.a - leg.base_joint).norm();
+    geometry.n = (geometry.a - leg.base_joint) / geometry.length;
+    const double f = straight_leg(leg, geometry, model::FlexibleAxes::transverse).bending;
+    const double share = random.uniform(0.5, 1.0);
+    leg.guide_sleeve.stiffness *= 1.0 + share;
+    leg.rod.youngs_modulus *= f * leg.guide_sleeve.stiffness / share;
+  }
+  return machine;
+}
+
+TEST(LegBending, IsTheDerivativeOfItsPotentialEnergyWithAndWithoutItsGuide) {
+  Random random(917);
+  for (const bool contact : {false, true}) {
+    // of differences of eighth order; with contact, of an offset that is a root
+    const double tolerance = contact ? 1e-6 : 1e-9;
+    const auto step = contact ? LegPotential::contact_step : LegPotential::smooth_step;
+    for (int i = 0; i < 4; ++i) {
+      const auto machine = bending_machine(random, {.axes = model::FlexibleAxes::gimbal});
+      for (model::Leg leg : machine.legs) {
+        LegState state;
+        state.flexible << random.uniform(0.1, 0.15), random.uniform(0.1, 0.15),
+            random.uniform(-0.01, 0.01), random.uniform(-0.01, 0.01);
+        state.oil_force = random.uniform(-2e4, 1e4);
+        state.rod_compression = 0.0;
+        const Vector3 a = machine.poses[0].X_BP * leg.platform_joint, gravity = random.vector(9.81);
+        const auto axes = machine.flexible_axes;
+        if (contact) {
+          const auto free = bent_leg(leg, a, axes, gravity, state);
+          leg.guide_sleeve.gap = 0.2 * free.element.sleeve_offset.norm();
+          leg.guide_sleeve.guide_stiffness = 3.3 * leg.guide_sleeve.stiffness;
+        }
+        const auto bent = bent_leg(leg, a, axes, gravity, state);
+        ASSERT_TRUE(bent.exists);
+        ASSERT_EQ(bent.element.k_contact > 0.0, contact);
+        LegPotential::Coordinates x;
+        x << a.cast<long double>(), state.flexible.cast<long double>();
+        const LegPotential potential(leg, leg.gimbal_axis, gravity, state.oil_force, x);
+        Vector7 gradient;
+        gradient << bent.joint_force, bent.flexible_gradient;
+        const Vector7 expected = potential.gradient(x, step);
+        EXPECT_LE((gradient - expected).norm(), tolerance * expected.norm());
+        Matrix7 to_base = Matrix7::Identity();
+        to_base.topLeftCorner<3, 3>() = bent.element.frame.R_BL;
+        const Matrix7 hessian = to_base.transpose() * potential.hessian(x, step) * to_base;
+        EXPECT_LE((bent.K_without_oil - hessian).norm(), tolerance * hessian.norm());
+      }
+    }
+  }
+}
+
+TEST(LegBending, OfAnEndlesslyStiffRodIsNone) {
+  Random random(46);
+  const auto rigid = random_machine(random, {.gravity = Gravity::anywhere});
+  auto stiff = rigid;
+  for (auto& leg : stiff.legs) {
+    leg.bending = model::LegBending::elastic;
+    leg.rod.diameter = 0.05;
+    leg.rod.youngs_modulus = 1e25;
+    leg.cylinder_case.diameter = 0.09;
+    leg.cylinder_case.wall = 0.006;
+  }
+  constexpr double tolerance = 1e-11;
+  for (const auto kind : {ModelKind::guide, ModelKind::full}) {
+    const auto expected = dynamics::linear_model(rigid, rigid.neutral(), kind);
+    const auto found = dynamics::linear_model(stiff, rigid.neutral(), kind);
+    EXPECT_LE((found.K - expected.K).norm(), tolerance * expected.K.norm());
+    EXPECT_LE((found.M - expected.M).norm(), tolerance * expected.M.norm());
+    EXPECT_LE((found.C - expected.C).norm(), tolerance * expected.C.norm());
+  }
+}
+
+TEST(LegBending, ChangesNothingOfRigidLegs) {
+  Random random(48);
+  const auto machine = bending_machine(random, {.gravity = Gravity::down});
+  auto rigid = machine;
+  for (auto& leg : rigid.legs) leg.bending = model::LegBending::rigid;
+  const auto expected = dynamics::linear_model(rigid, rigid.neutral(), ModelKind::rigid);
+  const auto found = dynamics::linear_model(machine, rigid.neutral(), ModelKind::rigid);
+  EXPECT_TRUE(found.M.isApprox(expected.M, 1e-13));
+  EXPECT_TRUE(found.K.isApprox(expected.K, 1e-12));
+}
+
+/// A straight leg stores f k_s of the seal's energy in its beams, and the damper of the seal loses
+/// what a spring f in series with k_s + iωc loses, but for second order in ωc.
+TEST(LegBending, SharesEnergyAndDampingAsSpringsInSeriesDo) {
+  Random random(49);
+  const auto machine = bending_machine(random, {});
+  const auto model = dynamics::linear_model(machine, machine.neutral(), ModelKind::guide);
+  const auto modes = modal::normal_modes(model);
+  for (const auto& shares : modal::energy_shares(model, modes.shapes)) {
+    double total = shares.oil.sum() + shares.guide_sleeve.sum() + shares.bending.sum();
+    EXPECT_NEAR(total, 1.0, 1e-12);
+    for (int i = 0; i < model::leg_count; ++i) {
+      const double series = model.legs[i].bending * machine.legs[i].guide_sleeve.stiffness;
+      EXPECT_GT(series, 0.4);
+      EXPECT_NEAR(shares.bending[i], series * shares.guide_sleeve[i], 1e-12);
+    }
+  }
+  for (int i = 0; i < model::leg_count; ++i) {
+    const auto& sleeve = machine.legs[i].guide_sleeve;
+    const auto& element = model.legs[i];
+    const double lever2 = element.l_mh * element.l_mh;
+    const std::complex<double> seal(sleeve.stiffness, 1e-3 * sleeve.stiffness);  // k + iωc
+    const std::complex<double> exact = lever2 / (element.bending + 1.0 / seal);
+    const double loss = element.C(3, 3) * seal.imag() / sleeve.damping;
+    EXPECT_NEAR(element.K(3, 3), exact.real(), 1e-6 * exact.real());
+    EXPECT_NEAR(loss, exact.imag(), 2e-6 * exact.imag());
+  }
+}
+
+/// Of springs and arms in series with a spring, against the complex stiffness.
+TEST(LegBending, IsInSeriesWithTheArmsOfAnElastomer) {
+  constexpr double k = 8.4e5;
+  const auto arms = dynamics::seal_arms(
+      k, {.dynamic_ratio = 2.3, .loss_factor = 0.21, .frequency = 71.0});
+  const auto stiffness = [](double slow, const dynamics::SealArms& of, double per_chord,
+                            double omega) {
+    const std::complex<double> p(0.0, omega);
+    std::complex<double> sum = slow;
+    for (const auto& arm : of) sum += per_chord * arm.stiffness * p / (p + arm.rate);
+    return sum;
+  };
+  for (const double f : {1e-9, 1.1e-7, 3e-6}) {
+    const double r = 1.0 / (1.0 + f * k);
+    const auto series = dynamics::arms_in_series(arms, k, f);
+    for (const double omega : {0.3, 11.0, 71.0, 430.0, 9e3}) {
+      const auto exact = 1.0 / (f + 1.0 / stiffness(k, arms, 1.0, omega));
+      const auto found = stiffness(r * k, series, r * r, omega);
+      // the pole is known to ε of itself, its distance from that of the seal is f κ of it
+      EXPECT_LE(std::abs(found - exact), 1e-15 / (f * k) * std::abs(exact)) << f << " " << omega;
+    }
+  }
+}
+
+/// Bending machine whose rods lie on their guides where `contact`.
+model::Machine loaded_machine(Random& random, model::FlexibleAxes axes, bool contact) {
+  auto machine = bending_machine(random, {.axes = axes, .gravity = Gravity::anywhere});
+  if (!contact) return machine;
+  const auto model = dynamics::linear_model(machine, machine.neutral(), ModelKind::guide);
+  for (int i = 0; i < model::leg_count; ++i) {
+    auto& sleeve = machine.legs[i].guide_sleeve;
+    sleeve.gap = model.legs[i].sleeve_offset.norm() / 3.0;
+    sleeve.guide_stiffness = 20.0 * sleeve.stiffness;
+  }
+  return machine;
+}
+
+/// A machine at rest in the nonlinear mechanics, on linear oil springs.
+struct AtRest {
+  dynamics::NonlinearModel mechanics;
+  dynamics::StaticEquilibrium rest;
+  Eigen::VectorXd y;
+  std::array<double, model::leg_count> k_h{}, s{};
+
+  AtRest(const model::Machine& machine, ModelKind kind)
+      : mechanics(machine, kind, machine.neutral()),
+        rest(mechanics.equilibrium(machine.neutral())),
+        y(mechanics.positions()) {
+    mechanics.configuration(machine.neutral(), rest.legs, y.data());
+    const auto model = dynamics::linear_model(machine, machine.neutral(), kind);
+    for (std::size_t i = 0; i < model::leg_count; ++i) {
+      k_h[i] = model.legs[i].k_h;
+      s[i] = motion(y, Eigen::VectorXd::Zero(mechanics.velocities())).legs[i].s;
+    }
+  }
+
+  [[nodiscard]] dynamics::Motion motion(const Eigen::VectorXd& at, const Eigen::VectorXd& v) const {
+    dynamics::Motion result;
+    mechanics.motion(at.data(), v.data(), result);
+    return result;
+  }
+  [[nodiscard]] dynamics::Loads loads(const dynamics::Motion& now) const {
+    dynamics::Loads loads;
+    for (std::size_t i = 0; i < model::leg_count; ++i)
+      loads.axial[static_cast<int>(i)] =
+          -rest.legs[i].oil_force - k_h[i] * (now.legs[i].s - s[i]);
+    return loads;
+  }
+  /// Generalised forces without motion.
+  [[nodiscard]] Eigen::VectorXd forces(const Eigen::VectorXd& at) const {
+    const auto now = motion(at, Eigen::VectorXd::Zero(mechanics.velocities()));
+    Eigen::VectorXd rate(mechanics.velocities());
+    mechanics.accelerations(now, loads(now), rate.data());
+    return mechanics.mass_matrix(now) * rate;
+  }
+  [[nodiscard]] Eigen::VectorXd moved(int k, double h) const {
+    Eigen::VectorXd v = Eigen::VectorXd::Zero(mechanics.velocities()), rate(mechanics.positions());
+    v[k] = h;
+    mechanics.rates(y.data(), v.data(), rate.data());
+    return y + rate;
+  }
+};
+
+TEST(BendingMachine, VibratesInTheNonlinearMechanicsAsInTheLinearModel) {
+  Random random(5022);
+  for (const bool contact : {false, true})
+    for (const auto kind : {ModelKind::guide, ModelKind::full})
+      for (const auto axes : {model::FlexibleAxes::gimbal, model::FlexibleAxes::transverse}) {
+        const auto machine = loaded_machine(random, axes, contact);
+        const AtRest at(machine, kind);
+        ASSERT_EQ(at.rest.status, dynamics::StaticsStatus::converged);
+        EXPECT_LE(at.forces(at.y).norm(), 1e-8 * machine.platform.mass * machine.gravity.norm());
+        // with contact the corner is curved over micrometres of the offset
+        const double h = contact ? 2e-8 : 1e-6, tolerance = contact ? 1e-5 : 1e-7;
+        const int size = at.mechanics.velocities();
+        Eigen::MatrixXd K(size, size);
+        for (int k = 0; k < size; ++k)
+          K.col(k) = (at.forces(at.moved(k, -h)) - at.forces(at.moved(k, h))) / (2.0 * h);
+        K = 0.5 * (K + K.transpose()).eval();
+        const auto M = at.mechanics.mass_matrix(at.motion(at.y, Eigen::VectorXd::Zero(size)));
+        const auto model = dynamics::linear_model(machine, machine.neutral(), kind);
+        const double error =
+            worst_frequency_error(omega_squared(M, K), omega_squared(model.M, model.K));
+        EXPECT_LE(error, tolerance) << contact << " " << name(kind);
+      }
+}
+
+TEST(BendingMachine, KeepsItsEnergyInLargeMotions) {
+  Random random(314);
+  for (const bool contact : {false, true})
+    for (const auto kind : {ModelKind::guide, ModelKind::full})
+      for (const auto axes : {model::FlexibleAxes::gimbal, model::FlexibleAxes::transverse}) {
+        auto machine = loaded_machine(random, axes, contact);
+        for (auto& leg : machine.legs) {
+          leg.guide_sleeve.damping = 0.0;
+          leg.piston_ring->damping = 0.0;
+        }
+        const AtRest at(machine, kind);
+        Eigen::VectorXd v(at.mechanics.velocities());
+        for (int k = 0; k < v.size(); ++k) v[k] = random.uniform(-0.3, 0.3);
+        const auto now = at.motion(at.y, v);
+        const auto energies = at.mechanics.energies(now);
+        EXPECT_GT(energies.bending, 0.0);
+        const double kinetic = 0.5 * v.dot(at.mechanics.mass_matrix(now) * v);
+        EXPECT_NEAR(energies.platform + energies.legs, kinetic, 1e-12 * kinetic);
+        Eigen::VectorXd y_rate(at.y.size()), v_rate(v.size());
+        at.mechanics.rates(at.y.data(), v.data(), y_rate.data());
+        at.mechanics.accelerations(now, {}, v_rate.data());
+        const auto energy_at = [&](double t) {
+          return at.mechanics.energies(at.motion(at.y + t * y_rate, v + t * v_rate)).total();
+        };
+        constexpr double h = 1e-6;
+        const double power = (energy_at(h) - energy_at(-h)) / (2.0 * h);
+        EXPECT_NEAR(power, 0.0, 1e-6 * 1e2 * energies.platform) << contact << " " << name(kind);
+      }
+}
+
+/// What dampers take out is what the energy loses.
+TEST(BendingMachine, LosesWhatItsDampersTakeOut) {
+  Random random(316);
+  for (const auto axes : {model::FlexibleAxes::gimbal, model::FlexibleAxes::transverse}) {
+    const auto machine = loaded_machine(random, axes, true);
+    const AtRest at(machine, ModelKind::full);
+    Eigen::VectorXd v(at.mechanics.velocities());
+    for (int k = 0; k < v.size(); ++k) v[k] = random.uniform(-0.3, 0.3);
+    const auto now = at.motion(at.y, v);
+    Eigen::VectorXd y_rate(at.y.size()), v_rate(v.size());
+    at.mechanics.rates(at.y.data(), v.data(), y_rate.data());
+    at.mechanics.accelerations(now, {}, v_rate.data());
+    const auto energy_at = [&](double t) {
+      return at.mechanics.energies(at.motion(at.y + t * y_rate, v + t * v_rate)).total();
+    };
+    constexpr double h = 1e-6;
+    const double power = (energy_at(h) - energy_at(-h)) / (2.0 * h);
+    const double lost = at.mechanics.dissipation(now);
+    EXPECT_GT(lost, 0.0);
+    EXPECT_NEAR(power, -lost, 1e-6 * std::max(lost, 1e2 * at.mechanics.energies(now).platform));
+  }
+}
+
+/// The momentum of the legs on a base that moves, from two derivations.
+TEST(BendingMachine, HasTheMomentumOfItsBows) {
+  Random random(52);
+  const auto machine = bending_machine(random, {});
+  const auto kind = ModelKind::full;
+  const AtRest at(machine, kind);
+  const auto model = dynamics::linear_model(machine, machine.neutral(), kind);
+  auto rigid = machine;
+  for (auto& leg : rigid.legs) leg.bending = model::LegBending::rigid;
+  double of_bows = 0.0;
+  for (int leg = 0; leg < model::leg_count; ++leg) {
+    const Vector3 a = machine.neutral() * machine.legs[leg].platform_joint;
+    const auto on_base = leg_on_base(machine.legs[leg], a, machine.flexible_axes, {});
+    const auto without = leg_on_base(rigid.legs[leg], a, machine.flexible_axes, {});
+    of_bows += (on_base.momentum - without.momentum).rightCols<4>().norm();
+    for (int k = 0; k < 4; ++k) {
+      Eigen::VectorXd v = Eigen::VectorXd::Zero(at.mechanics.velocities());
+      v[model.first_of_leg(leg) + k] = 1.0;
+      const auto momentum = at.mechanics.momentum(at.motion(at.y, v));
+      const dynamics::Vector6 expected = on_base.momentum.col(3 + k);
+      EXPECT_LE((momentum - expected).norm(), 1e-11 * expected.norm()) << leg << " " << k;
+    }
+  }
+  EXPECT_GT(of_bows, 1e-3);
+}
+
+/// The equilibrium found at another pose with the compression of the reference is one of the
+/// mechanics that keeps that compression.
+TEST(BendingMachine, RestsAtOtherPosesToo) {
+  Random random(53);
+  const auto machine = loaded_machine(random, model::FlexibleAxes::transverse, false);
+  const dynamics::NonlinearModel mechanics(machine, ModelKind::guide, machine.neutral());
+  const auto& X = machine.poses[1].X_BP;
+  const auto rest = mechanics.equilibrium(X);
+  ASSERT_EQ(rest.status, dynamics::StaticsStatus::converged);
+  Eigen::VectorXd y(mechanics.positions()), v = Eigen::VectorXd::Zero(mechanics.velocities()),
+                  rate(v.size());
+  mechanics.configuration(X, rest.legs, y.data());
+  dynamics::Loads loads;
+  for (int k = 0; k < model::leg_count; ++k) loads.axial[k] = -rest.legs[k].oil_force;
+  dynamics::Motion motion;
+  mechanics.motion(y.data(), v.data(), motion);
+  mechanics.accelerations(motion, loads, rate.data());
+  EXPECT_LE((mechanics.mass_matrix(motion) * rate).norm(),
+            1e-8 * machine.platform.mass * machine.gravity.norm());
+}
+
+}  // namespace
+}  // namespace hydrapod::test
