@@ -212,8 +212,8 @@ std::string hypothesis_name(const Diagnosis& d, const Hypothesis& e) {
 std::string part_name(const Part& part) {
   constexpr std::array one{"guide sleeve", "piston ring", "gimbals", "", "", "rod and case"};
   constexpr std::array all{"guide sleeves of all legs", "piston rings of all legs",
-                           "gimbals of all legs",      "base mount",
-                           "modes of the payload",     "bending of rods and cases of all legs"};
+                           "gimbals of all legs",       "base mount",
+                           "modes of the payload",      "bending of rods and cases of all legs"};
   const auto what = static_cast<std::size_t>(part.what);
   return part.leg ? fmt::format("{} of leg {}", one.at(what), *part.leg + 1) : all.at(what);
 }
@@ -317,7 +317,14 @@ std::vector<std::string> reason_words(const Diagnosis& d) {
     words.push_back("one cause alone fits clearly worse; measure more modes, shapes or poses");
     return words;
   }
-  words.push_back(misfit_text(d));
+  if (d.scatter <= no_explanation &&
+      goodness(d, d.nominal()).frequencies.probability() >= least_probability)
+    words.push_back(
+        "the frequencies are those of the nominal machine, and shapes or other values are not; "
+        "check "
+        "places, signs and directions of the sensors");
+  else
+    words.push_back(misfit_text(d));
   for (const auto& wrong : d.best().wrong) {
     using Kind = Contradiction::Kind;
     const bool of_shape = wrong.kind == Kind::shape || wrong.kind == Kind::drives;

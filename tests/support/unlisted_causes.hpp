@@ -3,8 +3,8 @@
 /// is the right answer.
 ///
 /// Every case plants one effect in a machine of the blind series. Its size is a size that is usual
-/// for this effect times a factor between 0.4 and 2, drawn from the number of the case. The
-/// diagnosis gets the modes with the noise of the blind series.
+/// for this effect times a factor between 0.4 and 2, drawn from the number of the case, and halved
+/// until the machine stands. The diagnosis gets the modes with the noise of the blind series.
 
 #include <functional>
 #include <string>
