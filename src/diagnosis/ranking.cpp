@@ -79,10 +79,11 @@ bool explains(const Diagnosis& d, const Hypothesis& e) {
 /// moves shapes moves frequencies too, so that the shapes are in doubt: places, signs or directions
 /// of sensors. Leakage moves dampings and responses alone.
 bool only_shapes_differ(const Diagnosis& d) {
+  constexpr double usual = 0.5;  // a χ² as large as it is half of the times
   const bool more = !d.targets.responses.empty() ||
                     std::ranges::any_of(d.targets.modes,
                                         [](const auto& mode) { return mode.damping.has_value(); });
-  return !more && goodness(d, d.nominal()).frequencies.probability() >= least_probability;
+  return !more && goodness(d, d.nominal()).frequencies.probability() >= usual;
 }
 
 /// Leaves of those that are alike the ones that explain the data, and better than a cause that is
@@ -110,19 +111,14 @@ void judge(Diagnosis& d) {
     return;
   }
   const double limit = d.best().bic + same;
-  const auto without_cause = [&](std::size_t k) {
-    d.finding = d.hypotheses[k].rigid ? Finding::nothing_to_blame : Finding::nominal;
-    d.equivalent = {k};
-  };
   for (const bool rigid : {true, false})
     for (std::size_t k = 0; k < d.hypotheses.size(); ++k) {
       const auto& e = d.hypotheses[k];
       if (!e.causes.empty() || e.rigid != rigid || e.bic > limit || !explains(d, e)) continue;
-      return without_cause(k);
+      d.finding = rigid ? Finding::nothing_to_blame : Finding::nominal;
+      d.equivalent = {k};
+      return;
     }
-  // what lies within the uncertainties is no fault, though a cause may meet it better
-  for (std::size_t k = 0; k < d.hypotheses.size(); ++k)
-    if (d.hypotheses[k].causes.empty() && explains(d, d.hypotheses[k])) return without_cause(k);
   for (std::size_t k = 0; k < d.hypotheses.size(); ++k)
     if (d.hypotheses[k].bic <= limit) d.equivalent.push_back(k);
   std::erase_if(d.equivalent, [&](std::size_t k) { return explains_anything(d, d.hypotheses[k]); });

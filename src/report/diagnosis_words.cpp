@@ -317,8 +317,8 @@ std::vector<std::string> reason_words(const Diagnosis& d) {
     words.push_back("one cause alone fits clearly worse; measure more modes, shapes or poses");
     return words;
   }
-  if (d.scatter <= no_explanation &&
-      goodness(d, d.nominal()).frequencies.probability() >= least_probability)
+  constexpr double usual = 0.5;  // a χ² as large as it is half of the times
+  if (d.scatter <= no_explanation && goodness(d, d.nominal()).frequencies.probability() >= usual)
     words.push_back(
         "the frequencies are those of the nominal machine, and shapes or other values are not; "
         "check "
