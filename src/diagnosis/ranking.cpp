@@ -70,16 +70,18 @@ void rank(Diagnosis& d) {
 
 namespace {
 
-/// Is its misfit one that the deviations account for?
+/// Is its misfit one that the deviations account for? Of a pair more is asked: it is the best of
+/// some hundred, which meet what they are not the cause of more often than a single cause does.
 bool explains(const Diagnosis& d, const Hypothesis& e) {
-  return goodness(d, e).probability >= least_probability;
+  constexpr double of_pair = 5.0 * least_probability;
+  return goodness(d, e).probability >= (e.causes.size() > 1 ? of_pair : least_probability);
 }
 
 /// Are the frequencies those of the machine as stated, though the shapes are not? Every cause that
 /// moves shapes moves frequencies too, so that the shapes are in doubt: places, signs or directions
 /// of sensors. Leakage moves dampings and responses alone.
 bool only_shapes_differ(const Diagnosis& d) {
-  constexpr double usual = 0.5;  // a χ² as large as it is half of the times
+  constexpr double usual = 0.1;  // a larger χ² is chance one time in ten
   const bool more = !d.targets.responses.empty() ||
                     std::ranges::any_of(d.targets.modes,
                                         [](const auto& mode) { return mode.damping.has_value(); });
