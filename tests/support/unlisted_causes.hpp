@@ -21,9 +21,10 @@ struct UnlistedCase {
   std::function<PoseModes(const model::Machine&, const model::NamedPose&)> modes{};
   /// What is wrong with the measurement itself.
   std::function<void(observation::Targets&)> misread{};
-  /// Part of the name of candidate causes that are this very part, whose law is another: whoever is
-  /// sent there finds what is wrong. Empty: there is none.
-  std::string same_part{};
+  /// Parts of the names of candidate causes that are this very part, whose law is another, or whose
+  /// number the data cannot tell from what was planted: whoever is sent there finds what is wrong.
+  std::vector<std::string> same_parts{};
+};
 };
 
 struct UnlistedResult {
@@ -31,7 +32,7 @@ struct UnlistedResult {
   double change{};    ///< the largest relative change of a frequency
   bool blamed{};      ///< a candidate cause is identified, or several are said to explain the data
   bool identified{};  ///< one is identified
-  bool right_part{};  ///< all that is blamed is `same_part`
+  bool right_part{};  ///< all that is blamed is of `same_parts`
   int modes{};
 };
 
