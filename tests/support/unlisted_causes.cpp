@@ -436,12 +436,11 @@ UnlistedResult run_unlisted(const UnlistedCase& test) {
       poses, modal::modal_ratio(design.machine).value,
       {.frequency = test.basic.noise, .shape = std::min(0.05, 30.0 * test.basic.noise)}, random);
   if (test.misread) test.misread(measured);
-  result.modes = static_cast<int>(measured.modes.size());
   result.diagnosis =
       diagnosis::diagnose(design, measured, dynamics::ModelKind::guide, design.machine.poses);
   const auto& d = result.diagnosis;
-  result.identified = d.finding == diagnosis::Finding::identified;
-  result.blamed = result.identified || d.finding == diagnosis::Finding::undecided;
+  result.blamed =
+      d.finding == diagnosis::Finding::identified || d.finding == diagnosis::Finding::undecided;
   const auto is_same = [&](std::size_t cause) {
     const auto name = report::cause_name(d.causes[cause]);
     return std::ranges::any_of(test.same_parts, [&](const std::string& part) {

@@ -25,15 +25,12 @@ struct UnlistedCase {
   /// number the data cannot tell from what was planted: whoever is sent there finds what is wrong.
   std::vector<std::string> same_parts{};
 };
-};
 
 struct UnlistedResult {
   diagnosis::Diagnosis diagnosis{};
   double change{};    ///< the largest relative change of a frequency
   bool blamed{};      ///< a candidate cause is identified, or several are said to explain the data
-  bool identified{};  ///< one is identified
   bool right_part{};  ///< all that is blamed is of `same_parts`
-  int modes{};
 };
 
 /// All cases of the series.
