@@ -91,6 +91,18 @@ void describe_target(Fields& f, ModeTarget& target, FittedTarget& fit) {
   if (Fields::reads && f.has("shape_mac")) target.shape.emplace();  // what it is, is not said
 }
 
+/// Misfit per degree of freedom as it comes out, where `scatter` is 1 at least: outliers and the
+/// combinations of parameters that the data determine are no degrees. None without degrees.
+std::optional<double> raw_reduced_misfit(const Candidate& candidate, const Targets& targets) {
+  constexpr int of_shape = 6;
+  int degrees = -candidate.identifiability.numerical_rank;
+  for (const auto& mode : targets.modes)
+    degrees += 1 + (mode.damping ? 1 : 0) + (mode.shape ? of_shape : 0);
+  for (const auto& target : candidate.targets) degrees -= target.outlier ? 1 : 0;
+  if (degrees <= 0) return std::nullopt;
+  return candidate.misfit / degrees;
+}
+
 template <class Fields>
 void describe_candidate(Fields& f, Candidate& candidate, Targets& targets) {
   f("name", candidate.name);
@@ -116,6 +128,8 @@ void describe_candidate(Fields& f, Candidate& candidate, Targets& targets) {
     describe_target(item, targets.modes[k], candidate.targets[k]);
   });
   f("identifiability", candidate.identifiability);
+  if constexpr (!Fields::reads)
+    f.derived("raw_reduced_misfit", raw_reduced_misfit(candidate, targets));
   f.optional("unconstrained", candidate.unbound);
 }
 

@@ -277,7 +277,7 @@ std::string misfit_text(const Diagnosis& d) {
         "even the best hypothesis ({}) differs from the measured values by {:.{}f} σ", name,
         d.scatter, d.scatter < 10.0 ? 1 : 0);
   const auto g = goodness(d, d.best());
-  if (g.probability >= least_probability)
+  if (d.best().bic > unlisted_bic(d) - same)
     return fmt::format(
         "even the best hypothesis ({}) explains the measured values no better than a change of "
         "each "
@@ -317,7 +317,14 @@ std::vector<std::string> reason_words(const Diagnosis& d) {
     words.push_back("one cause alone fits clearly worse; measure more modes, shapes or poses");
     return words;
   }
-  words.push_back(misfit_text(d));
+  constexpr double usual = 0.1;  // a larger χ² is chance one time in ten
+  if (d.scatter <= no_explanation && goodness(d, d.nominal()).frequencies.probability() >= usual)
+    words.push_back(
+        "the frequencies are those of the nominal machine, and shapes or other values are not; "
+        "check "
+        "places, signs and directions of the sensors");
+  else
+    words.push_back(misfit_text(d));
   for (const auto& wrong : d.best().wrong) {
     using Kind = Contradiction::Kind;
     const bool of_shape = wrong.kind == Kind::shape || wrong.kind == Kind::drives;

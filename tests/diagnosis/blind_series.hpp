@@ -8,9 +8,6 @@
 
 #include "hydrapod/diagnosis/diagnose.hpp"
 #include "hydrapod/hydraulics/servo_axis.hpp"
-#include <cstdlib>
-#include <filesystem>
-#include "hydrapod/base/file.hpp"
 #include "hydrapod/model/machine_file.hpp"
 #include "hydrapod/report/measured_results.hpp"
 #include "support/binomial.hpp"
@@ -68,14 +65,6 @@ inline observation::Targets by_noise(const BlindCase& test, const model::Machine
                      {.frequency = test.noise, .shape = std::min(0.05, 30.0 * test.noise)}, random);
 }
 
-inline void dump_tmp(const diagnosis::Diagnosis& d, const BlindCase& test, const std::string& what, const std::string& same_part, double change) {
-  const char* folder = std::getenv("DUMP_TMP");
-  if (folder == nullptr) return;
-  report::Json j = report::diagnosis_json({.diagnosis = d});
-  j["case"] = {{"machine", test.machine}, {"poses", test.poses}, {"noise", test.noise}, {"planted", test.planted}, {"what", what}, {"same_part", same_part}, {"change", change}, {"repetition", test.repetition}, {"unlisted", diagnosis::unlisted_bic(d)}};
-  base::write_file_whole(std::filesystem::path(folder) / fmt::format("{}.json", test.repetition), j.dump());
-}
-
 inline BlindResult run_blind(const BlindCase& test, const Measure& measure = by_noise) {
   auto overrides = test.design;
   const auto design = machine_file(test.text(), overrides);
@@ -85,7 +74,6 @@ inline BlindResult run_blind(const BlindCase& test, const Measure& measure = by_
   BlindResult result{
       diagnosis::diagnose(design, measured, dynamics::ModelKind::guide, design.machine.poses)};
   const auto& d = result.diagnosis;
-  dump_tmp(d, test, test.planted_name(), "", 0.0);
   if (test.planted.empty()) {
     result.found = d.finding == diagnosis::Finding::nothing_to_blame ||
                    d.finding == diagnosis::Finding::nominal;

@@ -86,6 +86,19 @@ TEST_P(RecordSeries, FindsWhatWasPlanted) {
   EXPECT_EQ(tally.wrong, 0);
 }
 
+/// Every planted fault has a size that the table can state.
+TEST(RecordSizes, AreStated) {
+  int setting = 0;
+  for (const auto& one : recorded()) {
+    ++setting;
+    for (const auto& test : cases_of(one.setting, 1000 * setting)) {
+      EXPECT_EQ(test.size.empty(), test.planted.empty()) << test.planted_name();
+      std::cout << fmt::format("| {} | {} | {} | {} |\n", setting, test.machine,
+                               test.planted_name(), test.size);
+    }
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Settings, RecordSeries, testing::Range<std::size_t>(0, 6));
 
 }  // namespace

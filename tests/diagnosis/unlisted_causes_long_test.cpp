@@ -6,7 +6,6 @@
 
 #include <iostream>
 
-#include "hydrapod/diagnosis/diagnose.hpp"
 #include "planted_faults.hpp"
 #include "support/binomial.hpp"
 #include "support/unlisted_causes.hpp"
@@ -32,23 +31,6 @@ TEST(UnlistedCauses, AreNotBlamedOnListedParts) {
                              : result.right_part ? "the part itself"
                                                  : "ANOTHER PART")
               << std::flush;
-    const auto& d = result.diagnosis;
-    std::cerr << "# " << test.basic.repetition << ' ' << report::finding_word(d.finding);
-    std::size_t shown = 0;
-    for (const auto& e : d.hypotheses) {
-      if (++shown > 4) break;
-      const auto g = diagnosis::goodness(d, e);
-      std::cerr << fmt::format(
-          "\n#   {} bic {:.1f} k {} f {:.2f}/{} of {} s {:.2f}/{} p {:.2g}: {}",
-          report::hypothesis_name(d, e), e.bic, e.parameters, g.frequencies.sum,
-          g.frequencies.degrees, g.frequencies.values, g.shapes.sum, g.shapes.degrees,
-          g.probability, fmt::join(report::parameter_words(e), "; "));
-    }
-    const auto& e = d.nominal();
-    const auto g = diagnosis::goodness(d, e);
-    std::cerr << fmt::format("\n#   nominal bic {:.1f} f {:.2f} s {:.2f} scatter {:.2f} unlisted {:.1f}\n", e.bic,
-                             g.frequencies.sum, g.shapes.sum,
-                             std::sqrt(diagnosis::raw_scatter2(d)), diagnosis::unlisted_bic(d));
   }
   std::cout << "\nA part that is not the cause is blamed in " << rate_text(blamed, cases)
             << ", the part itself in " << rate_text(same_part, cases) << ".\n";

@@ -44,17 +44,21 @@ Eigen::Matrix<double, 3, 6> to_point(const dynamics::LinearModel& model, const V
   return J;
 }
 
-/// All modes vibrate with this amplitude of the platform joint that moves most.
+/// Every mode vibrates with this amplitude of the platform joint that moves most, or with the
+/// largest one below it that harmonic balance finds a motion for.
 Modes at_amplitude(double amplitude) {
   return [amplitude](const model::Machine& machine, const model::NamedPose& pose) {
     const auto model = dynamics::linear_model(machine, pose.X_BP, dynamics::ModelKind::guide);
-    const std::array amplitudes{1e-3 * amplitude, 1e-2 * amplitude, 0.1 * amplitude,
-                                0.5 * amplitude, amplitude};
+    std::array<double, 7> amplitudes{};
+    for (std::size_t k = 0; k < amplitudes.size(); ++k)
+      amplitudes[k] = amplitude * std::pow(10.0, 0.5 * static_cast<double>(k) - 3.0);
     std::vector<std::pair<double, Vector6>> found;
     for (const auto& curve :
          modal::modes_at_amplitudes(machine, pose.X_BP, dynamics::ModelKind::guide, amplitudes)) {
-      const auto& point = curve.points.back();
-      if (point.converged) found.emplace_back(point.omega, point.shape.head<6>());
+      const modal::ModeAtAmplitude* last = nullptr;
+      for (const auto& point : curve.points)
+        if (point.converged) last = &point;
+      if (last != nullptr) found.emplace_back(last->omega, last->shape.head<6>());
     }
     std::ranges::sort(found, {}, [](const auto& mode) { return mode.first; });
     const auto count = static_cast<Eigen::Index>(found.size());
@@ -178,7 +182,7 @@ void add_seals(const Scales& s, double f, std::vector<UnlistedCase>& all) {
                  .basic = {.fault = {set("legs.guide_sleeve.gap", gap),
                                      "legs.guide_sleeve.guide_stiffness=5e7"}},
                  .modes = at_amplitude(amplitude),
-                 .same_part = "guide sleeve"});
+                 .same_parts = {"guide sleeve"}});
   const double ratio = 1.0 + 0.8 * f, softening = std::min(0.8, 0.4 * f);
   all.push_back(
       {.physics =
@@ -190,7 +194,7 @@ void add_seals(const Scales& s, double f, std::vector<UnlistedCase>& all) {
                                        "softening_amplitude = {:.6g} }}",
                                        ratio, s.omega_x, softening, s.sleeve)}},
        .modes = at_amplitude(amplitude),
-       .same_part = "guide sleeve"});
+       .same_parts = {"guide sleeve"}});
   const double sigma = 0.25 * f * s.k_h, force = 0.7 * sigma * s.piston;
   all.push_back(
       {.physics = fmt::format("bristles of the cylinders' seals, {:.3g} N, at 1 mm", force),
@@ -209,7 +213,7 @@ void add_payload(const Scales& s, double f, std::vector<UnlistedCase>& all) {
                                     .omega = 1.7 * s.omega_x,
                                     .p_PQ = at,
                                     .direction = {0.8, 0.6, 0.0}}),
-                 .same_part = "payload that"});
+                 .same_parts = {"payload that"}});
   all.push_back({.physics = fmt::format("{:.0f} % of the platform's mass rocks at {:.3g} Hz",
                                         100.0 * share, 2.3 * s.omega_x / base::two_pi),
                  .modes = swinging({.mass = share * s.mass,
@@ -218,7 +222,7 @@ void add_payload(const Scales& s, double f, std::vector<UnlistedCase>& all) {
                                     .direction = {0.28, 0.96, 0.0},
                                     .height = 0.6 * s.gyration,
                                     .inertia = 0.2 * share * s.mass * s.gyration * s.gyration}),
-                 .same_part = "payload that"});
+                 .same_parts = {"payload that"}});
 }
 
 void add_masses(const Scales& s, double f, std::vector<UnlistedCase>& all) {
@@ -240,7 +244,8 @@ void add_masses(const Scales& s, double f, std::vector<UnlistedCase>& all) {
       {.physics = fmt::format("products of inertia of the platform, {:.0f} % and {:.0f} %",
                               100.0 * xz, 100.0 * yz),
        .basic = {.fault = {set("platform.inertia.xz", platform.inertia(0, 2) - xz * m_I),
-                           set("platform.inertia.yz", platform.inertia(1, 2) - yz * m_I)}}});
+                           set("platform.inertia.yz", platform.inertia(1, 2) - yz * m_I)}},
+       .same_parts = {"platform inertia"}});
 }
 
 void add_geometry(const Scales& s, double f, std::vector<UnlistedCase>& all) {
@@ -248,7 +253,9 @@ void add_geometry(const Scales& s, double f, std::vector<UnlistedCase>& all) {
   const double off = 0.06 * f * s.radius;
   all.push_back({.physics = fmt::format("base joint of leg 1 off by {:.0f} mm", 1e3 * off),
                  .basic = {.fault = {set("leg.1.base_joint",
-                                         legs[0].base_joint + off * Vector3(0.64, 0.48, -0.6))}}});
+                                         legs[0].base_joint + off * Vector3(0.64, 0.48, -0.6))}},
+                 // the guided length changes with the joint, and the tilt stiffness is k_s l_mh²
+                 .same_parts = {"guide sleeve of leg 1"}});
   all.push_back(
       {.physics = fmt::format("platform joints of legs 3 and 4 off by {:.0f} mm", 1e3 * off),
        .basic = {.fault = {set("leg.3.platform_joint",
@@ -284,13 +291,15 @@ void add_surroundings(const Scales& s, double f, std::vector<UnlistedCase>& all)
                            set("base.mount.stiffness.ry", 2.4 * stiff * K * h2),
                            set("base.mount.stiffness.rz", 4.0 * stiff * K * h2)}},
        .modes = deep_mount(0.6 * s.height),
-       .same_part = "compliance of the base"});
+       .same_parts = {"compliance of the base"}});
   if (s.sag > 0.0) {
     const double left = std::max(0.0, 1.0 - 0.4 * f);
     const double g = s.file.machine.gravity.norm();
     all.push_back(
         {.physics = fmt::format("{:.0f} % of the weight on a counterbalance", 100.0 * (1.0 - left)),
-         .basic = {.fault = {set("environment.gravity", left * g)}}});
+         .basic = {.fault = {set("environment.gravity", left * g)}},
+         // at one pose the data determine k_s l_mh² − F l_m l_mn/l
+         .same_parts = {"guide sleeves of all legs"}});
   }
 }
 
@@ -308,7 +317,10 @@ void add_others(const Scales& s, double f, std::vector<UnlistedCase>& all) {
                            set("leg.3." + path, (1.0 - 0.6 * less) * oil),
                            set("leg.5." + path, (1.0 - 1.3 * less) * oil),
                            set("platform.mass_center[0]",
-                               s.file.machine.platform.mass_center.x() + 0.2 * f * s.gyration)}}});
+                               s.file.machine.platform.mass_center.x() + 0.2 * f * s.gyration)}},
+       // two of the three are no error for those who look there
+       .same_parts = {"oil spring of leg 2", "oil spring of leg 3", "oil spring of leg 5",
+                      "mass centre"}});
   const double turned = 0.25 * f;
   all.push_back({.physics = fmt::format("sensors turned by {:.0f}° about z",
                                         turned * 180.0 / std::numbers::pi),
@@ -345,64 +357,99 @@ double change_of(const PoseModes& before, const PoseModes& after) {
 
 }  // namespace
 
+namespace {
+
+model::MachineFile truth_of(const UnlistedCase& test) {
+  auto overrides = test.basic.design;
+  overrides.insert(overrides.end(), test.basic.fault.begin(), test.basic.fault.end());
+  return machine_file(test.basic.text(), overrides);
+}
+
+/// Throws where the machine cannot be built, or its legs fold.
+std::vector<PoseModes> modes_of(const UnlistedCase& test, const model::Machine& truth) {
+  std::vector<PoseModes> poses;
+  for (const auto& name : test.basic.poses) {
+    const auto* pose = model::find_pose(truth, name);
+    poses.push_back(test.modes ? test.modes(truth, *pose)
+                               : modes_at(truth, *pose, dynamics::ModelKind::guide));
+    if (!(poses.back().omega.minCoeff() > 0.0)) throw std::runtime_error("the legs have buckled");
+  }
+  return poses;
+}
+
+bool stands(const UnlistedCase& test) {
+  try {
+    static_cast<void>(modes_of(test, truth_of(test).machine));
+    return true;
+  } catch (const std::exception&) {
+    return false;
+  }
+}
+
+}  // namespace
+
 std::vector<UnlistedCase> unlisted_cases() {
   std::vector<UnlistedCase> all;
   for (const auto& setting : settings()) {
-    const BlindCase basic{.machine = setting.machine, .design = setting.design};
+    const BlindCase basic{.machine = setting.machine,
+                          .design = setting.design,
+                          .poses = setting.poses,
+                          .noise = setting.noise};
     const auto scales = scales_of(machine_file(basic.text(), setting.design));
-    std::vector<UnlistedCase> of_machine;
-    const auto first = all.size();
     for (const auto add :
          {add_seals, add_payload, add_masses, add_geometry, add_surroundings, add_others}) {
-      Random random(5003U + 101U * (first + of_machine.size()));
-      add(scales, random.log_uniform(0.4, 2.0), of_machine);
-    }
-    for (auto& one : of_machine) {
-      one.basic.machine = setting.machine;
-      one.basic.design = setting.design;
-      one.basic.poses = setting.poses;
-      one.basic.noise = setting.noise;
-      one.basic.repetition = 5000 + static_cast<int>(all.size());
-      all.push_back(std::move(one));
+      Random random(5003U + 101U * all.size());
+      double size = random.log_uniform(0.4, 2.0);
+      std::vector<UnlistedCase> some;
+      constexpr double smallest = 0.05;
+      for (bool stand = false; !stand && size > smallest; size *= 0.5) {
+        some.clear();
+        add(scales, size, some);
+        for (auto& one : some) {
+          const auto fault = one.basic.fault;
+          one.basic = basic;
+          one.basic.fault = fault;
+        }
+        stand = std::ranges::all_of(some, stands);
+      }
+      for (auto& one : some) {
+        one.basic.repetition = 5000 + static_cast<int>(all.size());
+        all.push_back(std::move(one));
+      }
     }
   }
   return all;
 }
 
 UnlistedResult run_unlisted(const UnlistedCase& test) {
-  auto overrides = test.basic.design;
-  const auto design = machine_file(test.basic.text(), overrides);
-  overrides.insert(overrides.end(), test.basic.fault.begin(), test.basic.fault.end());
-  const auto truth = machine_file(test.basic.text(), overrides);
+  const auto design = machine_file(test.basic.text(), test.basic.design);
+  const auto truth = truth_of(test);
+  const auto poses = modes_of(test, truth.machine);
   UnlistedResult result;
-  std::vector<PoseModes> poses;
-  for (const auto& name : test.basic.poses) {
-    const auto* pose = model::find_pose(truth.machine, name);
-    poses.push_back(test.modes ? test.modes(truth.machine, *pose)
-                               : modes_at(truth.machine, *pose, dynamics::ModelKind::guide));
-    const auto stated = modes_at(design.machine, *model::find_pose(design.machine, name),
-                                 dynamics::ModelKind::guide);
-    result.change = std::max(result.change, change_of(stated, poses.back()));
+  for (std::size_t k = 0; k < poses.size(); ++k) {
+    const auto* pose = model::find_pose(design.machine, test.basic.poses[k]);
+    const auto stated = modes_at(design.machine, *pose, dynamics::ModelKind::guide);
+    result.change = std::max(result.change, change_of(stated, poses[k]));
   }
   Random random(7919U * static_cast<std::uint64_t>(test.basic.repetition) + 17U);
   auto measured = noisy_modes(
       poses, modal::modal_ratio(design.machine).value,
       {.frequency = test.basic.noise, .shape = std::min(0.05, 30.0 * test.basic.noise)}, random);
   if (test.misread) test.misread(measured);
-  result.modes = static_cast<int>(measured.modes.size());
   result.diagnosis =
       diagnosis::diagnose(design, measured, dynamics::ModelKind::guide, design.machine.poses);
   const auto& d = result.diagnosis;
-  dump_tmp(d, test.basic, test.physics, test.same_part, result.change);
-  result.identified = d.finding == diagnosis::Finding::identified;
-  result.blamed = result.identified || d.finding == diagnosis::Finding::undecided;
-  result.right_part =
-      result.blamed && !test.same_part.empty() &&
-      std::ranges::all_of(d.equivalent, [&](std::size_t k) {
-        return std::ranges::all_of(d.hypotheses[k].causes, [&](std::size_t cause) {
-          return report::cause_name(d.causes[cause]).find(test.same_part) != std::string::npos;
-        });
-      });
+  result.blamed =
+      d.finding == diagnosis::Finding::identified || d.finding == diagnosis::Finding::undecided;
+  const auto is_same = [&](std::size_t cause) {
+    const auto name = report::cause_name(d.causes[cause]);
+    return std::ranges::any_of(test.same_parts, [&](const std::string& part) {
+      return name.find(part) != std::string::npos;
+    });
+  };
+  result.right_part = result.blamed && std::ranges::all_of(d.equivalent, [&](std::size_t k) {
+                        return std::ranges::all_of(d.hypotheses[k].causes, is_same);
+                      });
   return result;
 }
 

@@ -3,8 +3,8 @@
 /// is the right answer.
 ///
 /// Every case plants one effect in a machine of the blind series. Its size is a size that is usual
-/// for this effect times a factor between 0.4 and 2, drawn from the number of the case. The
-/// diagnosis gets the modes with the noise of the blind series.
+/// for this effect times a factor between 0.4 and 2, drawn from the number of the case, and halved
+/// until the machine stands. The diagnosis gets the modes with the noise of the blind series.
 
 #include <functional>
 #include <string>
@@ -21,18 +21,16 @@ struct UnlistedCase {
   std::function<PoseModes(const model::Machine&, const model::NamedPose&)> modes{};
   /// What is wrong with the measurement itself.
   std::function<void(observation::Targets&)> misread{};
-  /// Part of the name of candidate causes that are this very part, whose law is another: whoever is
-  /// sent there finds what is wrong. Empty: there is none.
-  std::string same_part{};
+  /// Parts of the names of candidate causes that are this very part, whose law is another, or whose
+  /// number the data cannot tell from what was planted: whoever is sent there finds what is wrong.
+  std::vector<std::string> same_parts{};
 };
 
 struct UnlistedResult {
   diagnosis::Diagnosis diagnosis{};
   double change{};    ///< the largest relative change of a frequency
   bool blamed{};      ///< a candidate cause is identified, or several are said to explain the data
-  bool identified{};  ///< one is identified
-  bool right_part{};  ///< all that is blamed is `same_part`
-  int modes{};
+  bool right_part{};  ///< all that is blamed is of `same_parts`
 };
 
 /// All cases of the series.
