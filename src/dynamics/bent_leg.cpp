@@ -7,6 +7,7 @@
 #include <limits>
 #include <optional>
 
+#include "elastomers.hpp"
 #include "guide_contact.hpp"
 #include "hydrapod/hydraulics/servo_axis.hpp"
 #include "leg_beams.hpp"
@@ -357,6 +358,19 @@ void press(const model::GuideSleeve& sleeve, const Vector2& chords, LegElement& 
 }
 
 }  // namespace
+
+Matrix27 ring_rates(const model::Leg& leg, const Vector3& a, model::FlexibleAxes axes,
+                    const LegState& state) {
+  const Vector3 L = a - leg.base_joint;
+  const Vector3 a1 = frame_axis(L.normalized(), leg.gimbal_axis, axes);
+  Configuration at{
+      RodDirection(state.flexible[0], state.flexible[1]), {}, {}, {}, state.flexible.tail<2>()};
+  Matrix27 offset_rates = Matrix27::Zero();
+  offset_rates.rightCols<2>().setIdentity();
+  if (!close_leg(leg, L, a1, state, at)) return offset_rates;
+  const Matrix7 T = chart_from_local(LegPoints(leg, at).joint_rates);
+  return seen_by_case(at, offset_rates, at.u, T, axes == model::FlexibleAxes::gimbal);
+}
 
 BentLeg bent_leg(const model::Leg& leg, const Vector3& a, model::FlexibleAxes axes,
                  const Vector3& gravity, const LegState& state) {

@@ -92,7 +92,9 @@ SealArms arms_in_series(const SealArms& arms, double k, double f) {
 
 void fill_seal_arms(const model::Machine& machine, LinearModel& model) {
   if (model.kind == ModelKind::rigid) return;
-  const auto add = [&](int leg, double stiffness, const model::Elastomer& elastomer, Relaxing what) {
+  using Rows = Eigen::Matrix<double, 2, leg_coordinates>;
+  const auto add = [&](int leg, double stiffness, const model::Elastomer& elastomer, Relaxing what,
+                       const Rows& per_x) {
     double closed = 0.0;
     auto arms = seal_arms(stiffness, elastomer);
     const double f = model.legs[leg].bending;
@@ -103,6 +105,7 @@ void fill_seal_arms(const model::Machine& machine, LinearModel& model) {
         model.arms.push_back({.leg = leg,
                               .stiffness = arm.stiffness,
                               .rate = arm.rate,
+                              .s_y = per_x.row(axis),
                               .what = what,
                               .axis = axis});
     }
@@ -112,15 +115,16 @@ void fill_seal_arms(const model::Machine& machine, LinearModel& model) {
     const auto& leg = machine.legs[i];
     auto& element = model.legs[i];
     if (const auto& sleeve = leg.guide_sleeve; sleeve.elastomer) {
-      const double closed = add(i, sleeve.stiffness, *sleeve.elastomer, Relaxing::sleeve);
+      const double closed = add(i, sleeve.stiffness, *sleeve.elastomer, Relaxing::sleeve, element.d_x);
       element.K += closed * element.d_x.transpose() * element.d_x;
       element.k_s += closed;
     }
     if (model.kind != ModelKind::full || !leg.piston_ring->elastomer) continue;
-    const double closed =
-        add(i, leg.piston_ring->stiffness, *leg.piston_ring->elastomer, Relaxing::ring);
-    element.K(5, 5) += closed;
-    element.K(6, 6) += closed;
+    const Rows per_x = ring_rates(leg, model.X_BP * leg.platform_joint, machine.flexible_axes,
+                                  model.statics.legs[i]);
+    const double closed = add(i, leg.piston_ring->stiffness, *leg.piston_ring->elastomer,
+                              Relaxing::ring, per_x);
+    element.K += closed * per_x.transpose() * per_x;
     element.k_g += closed;
   }
 }

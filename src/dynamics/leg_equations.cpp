@@ -280,7 +280,8 @@ Lanes of_guides(const LegsInMotion& at, const LegConstants& legs, double GuideCo
   return result;
 }
 
-/// What the guide sleeve brings against d_s, of which `damper` turns with the case.
+/// What the guide sleeve brings against d_s, of which `damper` (dampers, and arms of elastomers) turns
+/// with the case.
 struct SleeveForce {
   Vector2L force, damper;
   Vector2L damped;   ///< the offset that the damper sees
@@ -293,17 +294,16 @@ SleeveForce sleeve_force(const LegsInMotion& at, const LegSurroundings& around) 
   if (!legs.bends) {
     sleeve.damped = at.sleeve_offset;
     sleeve.damper = legs.c_s * at.sleeve_offset_rate;
+    if (around.seals_press) sleeve.damper += around.sleeve_force;
     sleeve.force =
         (legs.guide_contact ? legs.k_s + guide_secant(at, legs) : legs.k_s) * at.sleeve_offset +
         sleeve.damper;
-    if (around.seals_press) sleeve.force += around.sleeve_force;
     return sleeve;
   }
   sleeve.damped = at.seal_offset;
   sleeve.damper = legs.c_s * at.seal_offset_rate;
-  Vector2L at_seal = sleeve.damper;
-  if (around.seals_press) at_seal += around.sleeve_force;
-  const Vector2L on_chords = at.seal_per_offset * at_seal;
+  if (around.seals_press) sleeve.damper += around.sleeve_force;
+  const Vector2L on_chords = at.seal_per_offset * sleeve.damper;
   sleeve.force = at.bending_force + on_chords;
   sleeve.along_case = -at.bending_slope * at.bending_force.dot(0.5 * at.bending_force + on_chords);
   return sleeve;
@@ -321,9 +321,9 @@ void add_seals(const LegsInMotion& at, const LegSurroundings& around,
   Lanes about_n = cross(of_sleeve.damped, of_sleeve.damper);
   if constexpr (n == 4) {
     const Vector2L offset(at.flexible[2], at.flexible[3]);
-    const Vector2L ring_damper = legs.c_ring * at.ring_offset_rate;
+    Vector2L ring_damper = legs.c_ring * at.ring_offset_rate;
+    if (around.seals_press) ring_damper += around.ring_force;
     for (int k = 0; k < 2; ++k) r[5 + k] += sleeve[k] + legs.k_g * offset[k] + ring_damper[k];
-    if (around.seals_press) r.template segment<2>(5) += around.ring_force;
     about_n += cross(offset, ring_damper);
   }
   if (!around.spinning) r[0] += at.sine * about_n;

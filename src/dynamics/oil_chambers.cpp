@@ -31,13 +31,6 @@ hydraulics::HydraulicRest rest_of(const hydraulics::ServoAxis& axis, const model
   return rest;
 }
 
-/// Of the arm per coordinate of its leg.
-Vector7 stretch(const LegElement& leg, const RelaxingArm& arm) {
-  if (arm.what == Relaxing::sleeve) return leg.d_x.row(arm.axis);
-  if (arm.what == Relaxing::ring) return Vector7::Unit(5 + arm.axis);
-  return leg.s_x;
-}
-
 }  // namespace
 
 void fill_chambers(const model::Machine& machine, LinearModel& model) {
@@ -56,13 +49,16 @@ void fill_chambers(const model::Machine& machine, LinearModel& model) {
     element.k_h = spring.closed();
     element.C += axis.friction.viscous * along;
     for (std::size_t j = 0; j < 2; ++j)
-      model.arms.push_back({.leg = i, .stiffness = spring.stiffness[j], .rate = spring.rate[j]});
+      model.arms.push_back({.leg = i,
+                            .stiffness = spring.stiffness[j],
+                            .rate = spring.rate[j],
+                            .s_y = element.s_x});
   }
 }
 
 void point_arms(LinearModel& model) {
   for (auto& arm : model.arms)
-    arm.s_y = per_coordinate(model, arm.leg, stretch(model.legs[arm.leg], arm));
+    arm.s_y = per_coordinate(model, arm.leg, Vector7(arm.s_y));
 }
 
 void damp_mount(const model::Machine& machine, LinearModel& model) {

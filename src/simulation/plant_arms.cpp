@@ -3,6 +3,12 @@
 #include "hydrapod/dynamics/linear_model.hpp"
 #include "plant_work.hpp"
 
+namespace hydrapod::dynamics {
+/// Rates [rad/s] at which the legs' frames turn about n against their cases, which do not spin
+/// (FlexibleAxes::transverse); zero with gimbal axes.
+Vector6 frame_spins(const NonlinearModel& model, const Motion& motion);
+}  // namespace hydrapod::dynamics
+
 namespace hydrapod::simulation {
 
 using dynamics::arms_per_seal;
@@ -68,13 +74,15 @@ void Plant::arms_side(const double* x, double* rate, dynamics::Loads& loads,
                       const Work& work) const {
   if (layout_.arms < 0) return;
   loads.seals_press = true;
+  // What the states are of turns with the case, their components with the frame.
+  const Vector6 spins = dynamics::frame_spins(mechanics_, work.motion);
   const auto press = [&](const Arms& arms, int leg, const Vector2& offset, Vector2& force) {
     if (arms.first < 0) return;
     for_arms(arms.of, arms.first, leg, [&](const dynamics::SealArm& arm, int at) {
       for (int k = 0; k < 2; ++k) {
         const double stretch = offset[k] - x[at + k];
         force[k] += arm.stiffness * stretch;
-        rate[at + k] = arm.rate * stretch;
+        rate[at + k] = arm.rate * stretch + (k == 0 ? spins[leg] * x[at + 1] : -spins[leg] * x[at]);
       }
     });
   };
