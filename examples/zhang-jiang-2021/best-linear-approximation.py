@@ -45,13 +45,16 @@ def strong_modes(modes):
 
 
 def exact_poles():
-    found = {}
-    for mode in run("modes", machine, "--open-loop")["modes"]:
-        energy = mode.get("platform_energy")
-        if not energy or sum(energy) < 0.5:
+    """Per direction the lightly damped pole in which the platform takes part most."""
+    best = {}
+    for pole in run("modes", machine, "--open-loop")["poles"]:
+        if not 1.0 < pole["frequency_hz"] < 100.0 or pole["damping_ratio"] > 0.3:
             continue
-        found[directions[energy.index(max(energy))]] = mode
-    return found
+        for direction in directions:
+            share = pole["participation"]["platform " + direction]
+            if share > best.get(direction, (0.0, None))[0]:
+                best[direction] = (share, pole)
+    return {direction: pole for direction, (_, pole) in best.items()}
 
 
 def identified(level, seed, folder):
