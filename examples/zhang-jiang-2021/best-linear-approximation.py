@@ -30,7 +30,8 @@ def run(*arguments):
 
 
 def main_direction(mode):
-    size = [abs(value) for value in mode["displacement_shape"]]
+    gyration = 0.23  # m, of the platform: angles beside lengths
+    size = [abs(value) * (1.0 if k < 3 else gyration) for k, value in enumerate(mode["displacement_shape"]["re"])]
     return directions[size.index(max(size))]
 
 

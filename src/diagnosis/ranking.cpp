@@ -88,6 +88,12 @@ bool only_shapes_differ(const Diagnosis& d) {
   return !more && goodness(d, d.nominal()).frequencies.probability() >= usual;
 }
 
+/// Could frequencies have refuted it? As many numbers as frequencies, or one less, meet any.
+bool is_tested(const Diagnosis& d, const Hypothesis& e) {
+  constexpr int least = 2;
+  return static_cast<int>(d.targets.modes.size()) - e.parameters >= least;
+}
+
 /// Leaves of those that are alike the ones that explain the data, with numbers that no bound holds,
 /// and clearly better than a cause that is no candidate would. There are more causes than
 /// candidates: odds of 20 : 1 besides those of `same`.
@@ -99,7 +105,8 @@ void drop_unexplained(Diagnosis& d) {
   };
   std::erase_if(d.equivalent, [&](std::size_t k) {
     const auto& e = d.hypotheses[k];
-    return e.bic > limit || !explains(d, e) || std::ranges::any_of(e.fit.parameters, held);
+    return e.bic > limit || !explains(d, e) || !is_tested(d, e) ||
+           std::ranges::any_of(e.fit.parameters, held);
   });
 }
 
