@@ -21,8 +21,9 @@ tasks::AttachOptions options_of(const Arguments& arguments, std::size_t there) {
   if (!arguments.stiffness.empty() && arguments.mass.empty())
     base::refuse("--stiffness " + arguments.stiffness, "needs --mass, the mass matrix");
   if (!arguments.punch.empty() && !(arguments.mass.empty() && arguments.damping.empty()))
-    base::refuse("--punch " + arguments.punch, "has mass and damping in it; leave --mass and "
-                                               "--damping out");
+    base::refuse("--punch " + arguments.punch,
+                 "has mass and damping in it; leave --mass and "
+                 "--damping out");
   options.stiffness = arguments.punch.empty() ? arguments.stiffness : arguments.punch;
   options.mass = arguments.mass;
   options.damping = arguments.damping;
@@ -41,19 +42,20 @@ std::string attached_text(const tasks::Attached& attached, const TableStyle& sty
   for (const auto& mode : attached.payload.modes) {
     const spatial::Vector3& l = *mode.participation;
     const double size = l.norm();
-    table.add_row({mode.name, fmt::format("{:.3f}", mode.frequency / base::two_pi),
-                   fmt::format("{:.2f} %", 100.0 * mode.damping_ratio),
-                   fmt::format("{:.4g}", size * size),
-                   size > 0.0 ? fmt::format("{:.3f}, {:.3f}, {:.3f}", l.x() / size, l.y() / size,
-                                            l.z() / size)
-                              : "rotation"});
+    table.add_row(
+        {mode.name, fmt::format("{:.3f}", mode.frequency),
+         fmt::format("{:.2f} %", 100.0 * mode.damping_ratio), fmt::format("{:.4g}", size * size),
+         size > 0.0
+             ? fmt::format("{:.3f}, {:.3f}, {:.3f}", l.x() / size, l.y() / size, l.z() / size)
+             : "rotation"});
   }
   std::string text = table.text(style);
   const auto& payload = attached.payload;
   text += fmt::format("mass of the structure: {:.5g} kg\n", payload.mass(0, 0));
   if (payload.first_left_out > 0.0)
-    text += fmt::format("modes from {:.4g} Hz on are left out: their mass moves with the platform\n",
-                        payload.first_left_out / base::two_pi);
+    text +=
+        fmt::format("modes from {:.4g} Hz on are left out: their mass moves with the platform\n",
+                    payload.first_left_out / base::two_pi);
   return text;
 }
 
@@ -74,7 +76,7 @@ void add_attach(Command app) {
       "attach", "Put a flexible payload of a finite-element program on the platform",
       {{"attach machine.toml --stiffness cabin.K.mtx --mass cabin.M.mtx --add-mass -o cabin.toml",
         "a superelement in Matrix Market files, whose mass the file does not contain"},
-       {"attach machine.toml --punch cabin.pch --grid 1 --at \"0,0,0.3\" -o cabin.toml",
+       {"attach machine.toml --punch cabin.pch --at \"0,0,0.3\" -o cabin.toml",
         "a Nastran punch file, its interface 0.3 m above the joints"}});
   auto& arguments = command.calls(&run);
   add_machine_options(command, arguments.machine);
@@ -85,14 +87,19 @@ void add_attach(Command app) {
         "coordinates",
         {.file = FileUse::input}},
        {"--mass", arguments.mass, "Mass matrix of the same coordinates", {.file = FileUse::input}},
-       {"--damping", arguments.damping, "Viscous damping matrix of the same coordinates",
+       {"--damping",
+        arguments.damping,
+        "Viscous damping matrix of the same coordinates",
         {.file = FileUse::input}},
-       {"--punch", arguments.punch, "Nastran punch file with DMIG matrices K…, M… and B…",
+       {"--punch",
+        arguments.punch,
+        "Nastran punch file with DMIG matrices K…, M… and B…",
         {.file = FileUse::input}},
        {"--grid", arguments.grid, "Grid point of a punch file that is the platform",
         range(1, 99999999)},
-       {"--at", arguments.at, "Interface on the platform, \"x,y,z\" in its frame; default: its "
-                              "origin"},
+       {"--at", arguments.at,
+        "Interface on the platform, \"x,y,z\" in its frame; default: its "
+        "origin"},
        {"--modes", arguments.modes, "Modes that are kept, the lowest; default: six in all",
         range(1, model::most_payload_modes)},
        {"--damping-ratio", arguments.damping_ratio,

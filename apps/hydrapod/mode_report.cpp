@@ -130,18 +130,18 @@ std::string heading(const tasks::Machine& subject, const TableStyle& style) {
   const int modes = dynamics::degrees_of_freedom(machine, subject.kind);
   const int of_payload = static_cast<int>(machine.payload_modes.size());
   const int of_base = modes - dynamics::degrees_of_freedom(subject.kind) - of_payload;
-  const std::string payload =
-      of_payload > 0 ? fmt::format(" ({} {} of the payload)", of_payload,
-                                   of_payload == 1 ? "coordinate" : "coordinates")
-                     : "";
+  const std::string payload = of_payload > 0
+                                  ? fmt::format(" ({} {} of the payload)", of_payload,
+                                                of_payload == 1 ? "coordinate" : "coordinates")
+                                  : "";
   const std::string base = of_base > 0 ? fmt::format(" ({} coordinates of the base)", of_base)
                            : machine.base_mount
                                ? " (the base has no inertia: its mount is in series with the legs)"
                                : "";
   return fmt::format("{}, pose {}: {}, {} modes{}{}\n{}{}; {} axes; damping: {}\n",
                      bold(machine.name, style), subject.pose.name,
-                     what[static_cast<size_t>(subject.kind)], modes, base, payload, state_line(subject.file),
-                     report::gravity_text(machine),
+                     what[static_cast<size_t>(subject.kind)], modes, base, payload,
+                     state_line(subject.file), report::gravity_text(machine),
                      machine.flexible_axes == model::FlexibleAxes::gimbal ? "gimbal" : "transverse",
                      report::damping_text(machine));
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "hydrapod/base/units.hpp"
 #include "hydrapod/diagnosis/diagnose.hpp"
 #include "hydrapod/dynamics/linear_model.hpp"
 #include "hydrapod/hydraulics/servo_axis.hpp"
@@ -244,33 +245,31 @@ void add_leakage(const model::MachineFile& file, std::vector<Cause>& all) {
   }
 }
 
-/// A payload that the file has as rigid: a part of its mass swings at the mass centre. Stated modes:
-/// at other frequencies.
+/// A payload that the file has as rigid: a part of its mass swings at the mass centre. Stated
+/// modes: at other frequencies.
 void add_payload_modes(const model::MachineFile& file, std::vector<Cause>& all) {
   constexpr double factor = 4.0;
   const auto& machine = file.machine;
   if (!machine.payload_modes.empty()) {
     Cause cause{Cause::Kind::payload_modes};
     for (const auto& mode : machine.payload_modes)
-      cause.free.push_back(within(
-          fmt::format("payload_modes.{}.frequency", model::written_key(mode.name)), mode.frequency,
-          factor));
+      cause.free.push_back(
+          within(fmt::format("payload_modes.{}.frequency", model::written_key(mode.name)),
+                 mode.frequency, factor));
     all.push_back(cause);
     return;
   }
-  constexpr double start = 0.2, least = 0.01, most = 0.9;  // of the platform's mass
+  constexpr double start = 0.2, least = 0.01, most = 0.9;      // of the platform's mass
   constexpr double above = 2.0, lowest = 0.4, highest = 40.0;  // of the lowest rigid frequency
-  const auto rigid = modal::normal_modes(
-      dynamics::linear_model(without_mount_and_gimbals(machine), machine.neutral(),
-                             dynamics::ModelKind::rigid));
-  const double mass = machine.platform.mass, omega = rigid.omega(0);
-  for (const auto& [kind, directions] :
-       {std::pair{Cause::Kind::payload_sways, std::vector{0, 1}},
-        std::pair{Cause::Kind::payload_heaves, std::vector{2}}}) {
+  const auto rigid = modal::normal_modes(dynamics::linear_model(
+      without_mount_and_gimbals(machine), machine.neutral(), dynamics::ModelKind::rigid));
+  const double mass = machine.platform.mass, lowest_hz = rigid.omega(0) / base::two_pi;
+  for (const auto& [kind, directions] : {std::pair{Cause::Kind::payload_sways, std::vector{0, 1}},
+                                         std::pair{Cause::Kind::payload_heaves, std::vector{2}}}) {
     Cause cause{kind};
     cause.free = {
         {.start = start * mass, .lower = least * mass, .upper = most * mass},
-        {.start = above * omega, .lower = lowest * omega, .upper = highest * omega}};
+        {.start = above * lowest_hz, .lower = lowest * lowest_hz, .upper = highest * lowest_hz}};
     for (std::size_t k = 0; k < directions.size(); ++k) {
       const auto path = [&](const std::string& key) {
         return fmt::format("payload_modes.mode_{}.{}", k + 1, key);
@@ -278,11 +277,11 @@ void add_payload_modes(const model::MachineFile& file, std::vector<Cause>& all) 
       for (int i = 0; i < 3; ++i) {
         cause.changes.push_back(
             change(file, path(fmt::format("position[{}]", i)), machine.platform.mass_center[i]));
-        cause.changes.push_back(change(file, path(fmt::format("direction[{}]", i)),
-                                       i == directions[k] ? 1.0 : 0.0));
+        cause.changes.push_back(
+            change(file, path(fmt::format("direction[{}]", i)), i == directions[k] ? 1.0 : 0.0));
       }
       cause.changes.push_back(change(file, path("mass"), start * mass));
-      cause.changes.push_back(change(file, path("frequency"), above * omega));
+      cause.changes.push_back(change(file, path("frequency"), above * lowest_hz));
       cause.free[0].paths.push_back(path("mass"));
       cause.free[1].paths.push_back(path("frequency"));
     }
@@ -304,10 +303,14 @@ Family Cause::family() const {
 }
 
 bool Cause::in_pairs() const {
-  constexpr std::array stood_for{Cause::Kind::air,           Cause::Kind::cap_volume,
-                                 Cause::Kind::rod_volume,    Cause::Kind::gimbals,
-                                 Cause::Kind::payload_height, Cause::Kind::payload_sways,
-                                 Cause::Kind::payload_heaves, Cause::Kind::payload_modes};
+  constexpr std::array stood_for{Cause::Kind::air,
+                                 Cause::Kind::cap_volume,
+                                 Cause::Kind::rod_volume,
+                                 Cause::Kind::gimbals,
+                                 Cause::Kind::payload_height,
+                                 Cause::Kind::payload_sways,
+                                 Cause::Kind::payload_heaves,
+                                 Cause::Kind::payload_modes};
   return std::ranges::count(stood_for, kind) == 0;
 }
 

@@ -8,8 +8,8 @@
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/diagnosis/diagnose.hpp"
 #include "hydrapod/modal/normal_modes.hpp"
-#include "hydrapod/observation/pairing.hpp"
 #include "hydrapod/model/section.hpp"
+#include "hydrapod/observation/pairing.hpp"
 
 namespace hydrapod::diagnosis {
 

@@ -61,13 +61,12 @@ Vector6 NonlinearModel::momentum(const Motion& motion) const {
   if (payload_count() > 0) {
     const PayloadInMotion payload(legs.payload, motion, machine_.gravity);
     p_platform += Vector3(payload.rates.head<3>()) + omega.cross(payload.offset);
-    about_center += Vector3(payload.rates.tail<3>()) +
-                    payload.offset.cross(Vector3(motion.twist.head<3>()));
+    about_center +=
+        Vector3(payload.rates.tail<3>()) + payload.offset.cross(Vector3(motion.twist.head<3>()));
   }
   Vector6 total;
   total.head<3>() = p_platform + sum(p_leg);
-  total.tail<3>() = motion.p_BC.cross(p_platform) +
-                    about_center + moments(legs.b, p_leg) +
+  total.tail<3>() = motion.p_BC.cross(p_platform) + about_center + moments(legs.b, p_leg) +
                     sum(at.R_BL * about_joint);
   return total;
 }

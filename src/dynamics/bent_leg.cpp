@@ -279,8 +279,8 @@ Matrix7 sleeve_hessian(const LegElement& element, const SleeveOffset& sleeve,
                        const std::optional<Bending>& bending) {
   if (bending) {
     const Vector2& F = bending->force;
-    Matrix7 H = bending->D.transpose() * bending->series.F_d * bending->D +
-                F[0] * sleeve.D2[0] + F[1] * sleeve.D2[1];
+    Matrix7 H = bending->D.transpose() * bending->series.F_d * bending->D + F[0] * sleeve.D2[0] +
+                F[1] * sleeve.D2[1];
     H(extension, extension) -= 0.5 * bending->compliance.f_ss * F.squaredNorm();
     return H;
   }
@@ -346,9 +346,9 @@ void press(const model::GuideSleeve& sleeve, const Vector2& chords, LegElement& 
   Vector2& delta = element.sleeve_offset = chords;
   if (const double d = chords.norm(); element.bending > 0.0 && d > 0.0)
     delta *= seal_offset(d, element.bending, element.k_s,
-                          sleeve.gap.value_or(std::numeric_limits<double>::infinity()),
-                          sleeve.guide_stiffness) /
-              d;
+                         sleeve.gap.value_or(std::numeric_limits<double>::infinity()),
+                         sleeve.guide_stiffness) /
+             d;
   const double size = delta.norm();
   const auto contact = guide_contact(sleeve, size);
   if (!(contact.secant > 0.0)) return;
@@ -381,9 +381,8 @@ BentLeg bent_leg(const model::Leg& leg, const Vector3& a, model::FlexibleAxes ax
   if (beams) bending.emplace(*beams, at.s, P, sleeve, element);
   const Vector3 g_L = at.R_BL.transpose() * gravity;
   const Weights weights{-leg.cylinder_case.mass * g_L, -leg.rod.mass * g_L};
-  const Vector7 gradient =
-      chart_gradient(element, at, points, sleeve_gradient(element, sleeve, bending), weights,
-                     state.oil_force);
+  const Vector7 gradient = chart_gradient(
+      element, at, points, sleeve_gradient(element, sleeve, bending), weights, state.oil_force);
 
   const Matrix7 T = chart_from_local(points.joint_rates);
   const Vector3 lambda = T.topLeftCorner<3, 3>().transpose() * gradient.head<3>();
@@ -392,8 +391,9 @@ BentLeg bent_leg(const model::Leg& leg, const Vector3& a, model::FlexibleAxes ax
       gradient.tail<4>() - points.joint_rates.rightCols<4>().transpose() * lambda;
 
   element.s_x = T.row(extension).transpose();
-  element.d_x = seen_by_case(at, bending ? Matrix27(bending->series.delta_d * bending->D) : sleeve.D,
-                             element.sleeve_offset, T, gimbal);
+  element.d_x =
+      seen_by_case(at, bending ? Matrix27(bending->series.delta_d * bending->D) : sleeve.D,
+                   element.sleeve_offset, T, gimbal);
   bent.K_without_oil = T.transpose() *
                        chart_hessian(element, at, points, sleeve_hessian(element, sleeve, bending),
                                      weights, lambda) *

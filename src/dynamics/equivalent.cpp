@@ -3,8 +3,11 @@
 #include "hydrapod/dynamics/linear_model.hpp"
 
 #include <Eigen/LU>
+#include <algorithm>
+#include <boost/math/quadrature/gauss.hpp>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "guide_contact.hpp"
 
@@ -14,11 +17,6 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
-/// Sums over a period of what is smooth and periodic converge faster than any power. The corner of a
-/// guide ring is a tenth of its gap wide: at a hundred times the gap it lies between two points, and
-/// the error is that of a sharp corner, some 1e-5 of the stiffness.
-constexpr int points_of_period = 1024;
-
 /// Mean force of seal and guide ring, its derivative by the mean offset, and S.
 struct PeriodSums {
   Vector2 force{Vector2::Zero()};
@@ -26,25 +24,51 @@ struct PeriodSums {
   bool touches{};
 
   PeriodSums(const model::GuideSleeve& sleeve, const Vector2& mean, const Vector2& amplitude) {
-    const Eigen::Matrix2d one = Eigen::Matrix2d::Identity();
     // The motion there is the motion back: half of a period has it all.
-    constexpr int half = points_of_period / 2;
-    for (int k = 0; k < half; ++k) {
-      const double theta = pi * (k + 0.5) / half;
-      const double sine = std::sin(theta);
-      const Vector2 d = mean + std::cos(theta) * amplitude;
-      const double offset = d.norm();
-      const auto contact = guide_contact(sleeve, offset);
-      force += (sleeve.stiffness + contact.secant) * d / half;
-      if (contact.tangent == 0.0) continue;
-      touches = true;
-      const Vector2 r = d / offset;
-      const Eigen::Matrix2d J =
-          contact.secant * one + (contact.tangent - contact.secant) * r * r.transpose();
-      slope += J / half;
-      at_omega += 2.0 * sine * sine * J / half;
+    using Quadrature = boost::math::quadrature::gauss<double, 20>;
+    const auto ends = smooth_pieces(sleeve, mean, amplitude);
+    for (std::size_t piece = 0; piece + 1 < ends.size(); ++piece) {
+      const double middle = 0.5 * (ends[piece] + ends[piece + 1]);
+      const double half = 0.5 * (ends[piece + 1] - ends[piece]);
+      for (std::size_t k = 0; k < Quadrature::abscissa().size(); ++k)
+        for (const double side : {-half, half})
+          add(sleeve, mean, amplitude, middle + side * Quadrature::abscissa()[k],
+              Quadrature::weights()[k] * half / pi);
     }
-    slope += sleeve.stiffness * one;
+    slope += sleeve.stiffness * Eigen::Matrix2d::Identity();
+  }
+
+ private:
+  /// Ends of pieces of [0, π] between which the offset passes none of both ends of the rounded corner.
+  static std::vector<double> smooth_pieces(const model::GuideSleeve& sleeve, const Vector2& mean,
+                                           const Vector2& amplitude) {
+    std::vector<double> ends{0.0, pi};
+    const double a2 = amplitude.squaredNorm(), am = amplitude.dot(mean);
+    for (const double share : {1.0 - GuideContact::smoothing, 1.0 + GuideContact::smoothing}) {
+      const double r = share * *sleeve.gap;  // |m + a c|² = r²
+      const double root = am * am - a2 * (mean.squaredNorm() - r * r);
+      if (!(root > 0.0)) continue;
+      for (const double c : {(-am - std::sqrt(root)) / a2, (-am + std::sqrt(root)) / a2})
+        if (std::abs(c) < 1.0) ends.push_back(std::acos(c));
+    }
+    std::ranges::sort(ends);
+    return ends;
+  }
+
+  void add(const model::GuideSleeve& sleeve, const Vector2& mean, const Vector2& amplitude,
+           double theta, double weight) {
+    const double sine = std::sin(theta);
+    const Vector2 d = mean + std::cos(theta) * amplitude;
+    const double offset = d.norm();
+    const auto contact = guide_contact(sleeve, offset);
+    force += weight * (sleeve.stiffness + contact.secant) * d;
+    if (contact.tangent == 0.0) return;
+    touches = true;
+    const Vector2 r = d / offset;
+    const Eigen::Matrix2d J = contact.secant * Eigen::Matrix2d::Identity() +
+                              (contact.tangent - contact.secant) * r * r.transpose();
+    slope += weight * J;
+    at_omega += 2.0 * weight * sine * sine * J;
   }
 };
 

@@ -74,7 +74,7 @@ BeamCompliance between_supports(double a, double L, double k2) {
 BeamCompliance end_slope(double s, double k2) {
   constexpr double small = 0.05;  // of (ks)²
   if (const double w = k2 * s * s; std::abs(w) < small) {
-    constexpr std::array<double, 6> c{1.0,           1.0 / 15.0,    2.0 / 315.0,
+    constexpr std::array<double, 6> c{1.0,          1.0 / 15.0,    2.0 / 315.0,
                                       1.0 / 1575.0, 2.0 / 31185.0, 1382.0 / 212837625.0};
     double f = 0.0, f_s = 0.0, f_ss = 0.0;  // of Σ c wⁿ, by powers of s
     for (int n = 5; n >= 0; --n) {
@@ -97,8 +97,8 @@ BeamCompliance end_slope(double s, double k2) {
 
 /// Of the rod, by s: a = L_g − s.
 BeamCompliance of_rod(const LegBeams& beams, double s, double P) {
-  auto rod = between_supports(beams.L_g - s, beams.l_mn,
-                              squared_wave_number(P, beams.EI_rod, beams.l_mn));
+  auto rod =
+      between_supports(beams.L_g - s, beams.l_mn, squared_wave_number(P, beams.EI_rod, beams.l_mn));
   return {rod.f / beams.EI_rod, -rod.f_s / beams.EI_rod, rod.f_ss / beams.EI_rod};
 }
 
@@ -112,8 +112,8 @@ BeamCompliance of_case(const LegBeams& beams, double s, double P) {
 /// ∫ from x0 to x1, exact for polynomials up to the fifteenth degree.
 template <class Use>
 void integrate(double x0, double x1, Use use) {
-  constexpr std::array<double, 4> at{0.18343464249564980, 0.52553240991632899,
-                                     0.79666647741362674, 0.96028985649753623};
+  constexpr std::array<double, 4> at{0.18343464249564980, 0.52553240991632899, 0.79666647741362674,
+                                     0.96028985649753623};
   constexpr std::array<double, 4> weight{0.36268378337836198, 0.31370664587788729,
                                          0.22238103445337447, 0.10122853629037626};
   const double half = 0.5 * (x1 - x0), middle = 0.5 * (x0 + x1);
@@ -144,15 +144,14 @@ Bows rod_bows(const LegBeams& beams, double s) {
   const double per_force = 1.0 / (6.0 * beams.EI_rod * L);
   const auto deflections = [&](double x) {
     const double y = L - x;
-    return Vector3(per_force * (x < a ? b * x * (L * L - b * b - x * x)
-                                      : a * y * (L * L - a * a - y * y)),
-                   std::sin(k * x), std::sin(2.0 * k * x));
+    return Vector3(
+        per_force * (x < a ? b * x * (L * L - b * b - x * x) : a * y * (L * L - a * a - y * y)),
+        std::sin(k * x), std::sin(2.0 * k * x));
   };
   bows.at_sleeve = deflections(a);
   for (const auto& [from, to] : {std::pair{0.0, a}, std::pair{a, L}})
-    integrate(from, to, [&](double x, double dx) {
-      bows.add_mass(beams.mu_rod * dx, x, deflections(x));
-    });
+    integrate(from, to,
+              [&](double x, double dx) { bows.add_mass(beams.mu_rod * dx, x, deflections(x)); });
   // A shape that vanishes at the supports meets the force with its deflection there.
   bows.stiffness.row(0) = bows.at_sleeve;
   bows.stiffness.col(0) = bows.at_sleeve;
@@ -174,9 +173,8 @@ Bows case_bows(const LegBeams& beams, double s) {
   };
   bows.at_sleeve = deflections(L);
   for (const auto& [from, to] : {std::pair{0.0, s}, std::pair{s, L}})
-    integrate(from, to, [&](double x, double dx) {
-      bows.add_mass(beams.mu_case * dx, x, deflections(x));
-    });
+    integrate(from, to,
+              [&](double x, double dx) { bows.add_mass(beams.mu_case * dx, x, deflections(x)); });
   bows.add_mass(beams.case_end, L, bows.at_sleeve);
   bows.stiffness.setZero();
   bows.stiffness.row(0) = bows.at_sleeve;
@@ -287,8 +285,7 @@ std::optional<LegBeams> leg_beams(const model::Leg& leg) {
 
 Eigen::Matrix2d seal_tangent(const LegElement& element) {
   const double k = element.k_s + element.k_contact;
-  return k * Eigen::Matrix2d::Identity() +
-         element.contact_root * element.contact_root.transpose();
+  return k * Eigen::Matrix2d::Identity() + element.contact_root * element.contact_root.transpose();
 }
 
 InSeries::InSeries(const LegElement& element) {

@@ -26,10 +26,10 @@
 ///     μ = 6 (m c (L − c) − I) / L³, no more than leaves the rest a body that can be
 ///
 /// What is left moves with the chord, but the end of the case with the case. Where the piston is
-/// retracted, rod and case bend under their own inertia in other shapes too. With the joints held, a
-/// Ritz model of tilt, both deflections g and two more shapes of each body has the lowest frequency
-/// ω_1 (within 0.1 % of beam elements). What F of the tilt must carry beside the field to have that
-/// frequency too is added to ∫ μ g².
+/// retracted, rod and case bend under their own inertia in other shapes too. With the joints held,
+/// a Ritz model of tilt, both deflections g and two more shapes of each body has the lowest
+/// frequency ω_1 (within 0.1 % of beam elements). What F of the tilt must carry beside the field to
+/// have that frequency too is added to ∫ μ g².
 
 #include <Eigen/Core>
 #include <optional>

@@ -305,8 +305,7 @@ SleeveForce sleeve_force(const LegsInMotion& at, const LegSurroundings& around) 
   if (around.seals_press) at_seal += around.sleeve_force;
   const Vector2L on_chords = at.seal_per_offset * at_seal;
   sleeve.force = at.bending_force + on_chords;
-  sleeve.along_case =
-      -at.bending_slope * at.bending_force.dot(0.5 * at.bending_force + on_chords);
+  sleeve.along_case = -at.bending_slope * at.bending_force.dot(0.5 * at.bending_force + on_chords);
   return sleeve;
 }
 
@@ -375,8 +374,8 @@ struct AlongLeg {
 
 Lanes bow_energy(const LegsInMotion& at, const LegConstants& legs) {
   const AlongLeg leg(at);
-  const Vector3L momentum = legs.bow_case * leg.n_rate - legs.bow_piston * leg.piston_rate -
-                            legs.bow_tilt * at.e_rate;
+  const Vector3L momentum =
+      legs.bow_case * leg.n_rate - legs.bow_piston * leg.piston_rate - legs.bow_tilt * at.e_rate;
   return at.bow_rate.dot(two * momentum + legs.bow_self * at.bow_rate);
 }
 
@@ -386,10 +385,10 @@ BowMomentum bow_momentum(const LegsInMotion& at, const LegConstants& legs) {
   const auto about = [&](const Vector3L& arm, const Vector3L& arm_rate) {
     return Vector3L(arm.cross(at.bow_rate) + at.bow.cross(arm_rate));
   };
-  return {-legs.bow_moment * at.bow_rate,
-          legs.bow_case * about(n, leg.n_rate) - legs.bow_piston * about(leg.piston, leg.piston_rate) -
-              legs.bow_tilt * about(at.e, at.e_rate) +
-              legs.bow_self * at.bow.cross(at.bow_rate)};
+  return {-legs.bow_moment * at.bow_rate, legs.bow_case * about(n, leg.n_rate) -
+                                              legs.bow_piston * about(leg.piston, leg.piston_rate) -
+                                              legs.bow_tilt * about(at.e, at.e_rate) +
+                                              legs.bow_self * at.bow.cross(at.bow_rate)};
 }
 
 Vector3L in_cases(const LegsInMotion& at, const Vector3& v) {

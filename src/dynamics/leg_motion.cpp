@@ -112,7 +112,7 @@ void deflect_seals(const LegConstants& legs, bool spinning, LegsInMotion& at) {
 /// Seal, guide ring and beams in series between the chords: δ, F and ∂δ/∂d_s.
 void share_offset(const LegConstants& legs, LegsInMotion& at) {
   const Lanes size = sqrt(at.sleeve_offset.dot(at.sleeve_offset));
-  Lanes ratio(1.0), secant(0.0), along(1.0), across(1.0);
+  Lanes secant(0.0), along(1.0), across(1.0);
   at.bending = at.bending_slope = Lanes(0.0);
   for (int i = 0; i < model::leg_count; ++i) {
     const auto leg = static_cast<std::size_t>(i);
@@ -126,8 +126,7 @@ void share_offset(const LegConstants& legs, LegsInMotion& at) {
     across.set(i, 1.0 / (1.0 + f * (k_s + contact.secant)));
     along.set(i, 1.0 / (1.0 + f * (k_s + std::max(contact.tangent, contact.secant))));
   }
-  ratio = across;  // δ/d_s
-  at.seal_offset = ratio * at.sleeve_offset;
+  at.seal_offset = across * at.sleeve_offset;
   at.bending_force = secant * at.seal_offset;
   const Lanes tiny(1e-300), per_square = (along - across) / (size * size + tiny);
   const Vector2L& d = at.sleeve_offset;
@@ -151,9 +150,8 @@ void bend_beams(const LegConstants& legs, bool spinning, LegsInMotion& at) {
 
   // d_s°° = h τ°° − 2 ṡ τ°,  τ°° = (e⊥°° − τ e_n°° − 2 τ° e_n°)/e_n
   const Lanes h = legs.L_g - at.s, per_q = 1.0 / at.e[2];
-  const Vector2L slope_rate =
-      per_q * Vector2L(at.e_bending[0] - slope[0] * at.e_bending[2],
-                       at.e_bending[1] - slope[1] * at.e_bending[2]);
+  const Vector2L slope_rate = per_q * Vector2L(at.e_bending[0] - slope[0] * at.e_bending[2],
+                                               at.e_bending[1] - slope[1] * at.e_bending[2]);
   Vector2L curvature;
   for (int k = 0; k < 2; ++k)
     curvature[k] = h * per_q *

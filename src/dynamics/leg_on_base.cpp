@@ -24,7 +24,7 @@ struct BentGeometry {
   Matrix37 e_rate{};       ///< of the rod against the frame, e°
   Matrix37 piston_rate{};  ///< of the piston against the frame
 
-  Matrix37 n_rate{};       ///< ṅ in B
+  Matrix37 n_rate{};  ///< ṅ in B
 
   /// Velocity of a point of the rod at `xi` from the piston.
   [[nodiscard]] Matrix37 rod_velocity(double xi) const {

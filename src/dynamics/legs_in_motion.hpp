@@ -42,9 +42,9 @@ struct LegsInMotion {
   Vector2L bending_force;                      ///< F [N]
   Eigen::Matrix<Lanes, 2, 2> seal_per_offset;  ///< ∂δ/∂d_s, symmetric
   Lanes bending, bending_slope;                ///< f [m/N] and f'(s)
-  Vector3L bow;                   ///< b = F of the reference, linearised in d_s, L [N]
-  Vector3L bow_rate;              ///< ḃ in B, components in L
-  Vector3L bow_curvature;         ///< b°° that L sees at constant rates of the chart
+  Vector3L bow;                                ///< b = F of the reference, linearised in d_s, L [N]
+  Vector3L bow_rate;                           ///< ḃ in B, components in L
+  Vector3L bow_curvature;                      ///< b°° that L sees at constant rates of the chart
 };
 
 /// What the equations need to know of the legs; letters as in docs/notation.md.
@@ -53,8 +53,8 @@ struct LegConstants {
   Lanes l_mn, c_g, L_g, m_t_r_b, I_b, I_ta, I_c, m_g, I_r, I_ra, m_a, k_s, c_s, k_g, c_ring;
   Lanes gap, k_c;        ///< of the guide ring; the gap is infinite where a leg has none
   bool guide_contact{};  ///< has any leg one?
-  bool bends{};                                     ///< does any leg?
-  std::array<LegBeams, model::leg_count> beams;     ///< rods and cases as beams
+  bool bends{};          ///< does any leg?
+  std::array<LegBeams, model::leg_count> beams;      ///< rods and cases as beams
   std::array<double, model::leg_count> compression;  ///< P [N]
   /// What the mass of the bow is, kept from the reference: b = bow_rest + bow_slope d_s.
   Vector2L bow_rest;

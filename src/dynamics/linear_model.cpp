@@ -226,10 +226,9 @@ LinearModel linear_model(const model::Machine& machine, const spatial::Pose& X_B
 
 LinearModel neighbour_model(const model::Machine& machine, const spatial::Pose& X_BP,
                             const LinearModel& center) {
-  // Newton's step does not know how the compression of rods that bend changes their compliance: what
-  // is left after one is of first order.
-  const double first_order =
-      model::has_elastic_legs(machine) ? StaticsOptions{}.tolerance : 1e-6;
+  // Newton's step does not know how the compression of rods that bend changes their compliance:
+  // what is left after one is of first order.
+  const double first_order = model::has_elastic_legs(machine) ? StaticsOptions{}.tolerance : 1e-6;
   return assembled_for(machine, X_BP, center.kind, center.base_directions,
                        {.tolerance_after_step = first_order, .start = &center.statics});
 }

@@ -14,7 +14,7 @@ void set_payload(const model::Machine& machine, LinearModel& model) {
     const Vector6 L = participation(mode, machine.platform.mass_center);
     model.payload.col(k) << model.X_BP.R_BP * L.head<3>(), model.X_BP.R_BP * L.tail<3>();
     model.payload_names.push_back(mode.name);
-    model.payload_omega2[static_cast<std::size_t>(k)] = mode.frequency * mode.frequency;
+    model.payload_omega2[static_cast<std::size_t>(k)] = omega_of(mode) * omega_of(mode);
   }
   model.platform_mass -= model.payload * model.payload.transpose();
 }
@@ -38,8 +38,8 @@ void add_payload(const model::Machine& machine, LinearModel& model) {
   for (Eigen::Index k = 0; k < count; ++k) {
     const auto& mode = machine.payload_modes[static_cast<std::size_t>(k)];
     model.M(n + k, n + k) = 1.0;
-    model.K(n + k, n + k) = mode.frequency * mode.frequency;
-    model.C(n + k, n + k) = 2.0 * mode.damping_ratio * mode.frequency;
+    model.K(n + k, n + k) = omega_of(mode) * omega_of(mode);
+    model.C(n + k, n + k) = 2.0 * mode.damping_ratio * omega_of(mode);
   }
 }
 

@@ -10,9 +10,13 @@
 /// θ: rotation of the platform against the base, as the machine's own weight has it. M_P contains
 /// the mass that swings.
 
+#include "hydrapod/base/units.hpp"
 #include "hydrapod/dynamics/linear_model.hpp"
 
 namespace hydrapod::dynamics {
+
+/// [rad/s]
+inline double omega_of(const model::PayloadMode& mode) { return base::two_pi * mode.frequency; }
 
 /// Names, participation and ω² of the machine's modes into `model`; takes Σ L Lᵀ off
 /// model.platform_mass. Called with X_BP and platform_mass in place, before dof() is used.

@@ -3,6 +3,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
+#include "payload.hpp"
+
 namespace hydrapod::dynamics {
 
 PayloadConstants::PayloadConstants(const model::Machine& machine, const Vector3& weight_at_rest)
@@ -13,8 +15,8 @@ PayloadConstants::PayloadConstants(const model::Machine& machine, const Vector3&
   for (int k = 0; k < count; ++k) {
     const auto& mode = machine.payload_modes[static_cast<std::size_t>(k)];
     L.col(k) = participation(mode, machine.platform.mass_center);
-    omega2[k] = mode.frequency * mode.frequency;
-    damping[k] = 2.0 * mode.damping_ratio * mode.frequency;
+    omega2[k] = omega_of(mode) * omega_of(mode);
+    damping[k] = 2.0 * mode.damping_ratio * omega_of(mode);
   }
 }
 
@@ -83,8 +85,7 @@ void add_payload_energies(const PayloadConstants& payload, const Motion& motion,
   const Vector3 offset_rate = Vector3(now.rates.head<3>()) + omega.cross(now.offset);
   energies.platform += velocity.dot(offset_rate) + omega.dot(now.rates.tail<3>()) +
                        0.5 * motion.payload_rate.squaredNorm();
-  energies.payload =
-      0.5 * motion.payload.dot(payload.omega2.cwiseProduct(motion.payload));
+  energies.payload = 0.5 * motion.payload.dot(payload.omega2.cwiseProduct(motion.payload));
   energies.gravity -= now.offset.dot(gravity - motion.X_BP.R_BP * payload.weight);
 }
 

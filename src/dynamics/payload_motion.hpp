@@ -31,8 +31,8 @@ struct PayloadConstants {
   [[nodiscard]] Vector6 at_rest(const Vector3& g_P) const;
 };
 
-/// Static equilibrium at `X_BP`. Away from the reference orientation the payload hangs otherwise, and
-/// its weight acts elsewhere.
+/// Static equilibrium at `X_BP`. Away from the reference orientation the payload hangs otherwise,
+/// and its weight acts elsewhere.
 StaticEquilibrium rest_with_payload(const model::Machine& machine, const spatial::Pose& X_BP,
                                     ModelKind kind, const PayloadConstants& payload,
                                     const StaticsOptions& options = {});

@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "hydrapod/dynamics/linear_model.hpp"
+#include "payload.hpp"
 
 namespace hydrapod::dynamics {
 
@@ -10,7 +11,8 @@ model::Machine with_seal_dampers(model::Machine machine, ModelKind kind,
   // The base mount gets the same ratio; to who asks again, the dampers would be all that is stated.
   if (model::has_chambers(machine)) machine.damping.modal_ratio = ratio;
   const double beta = machine.damping.rayleigh_stiffness;
-  for (auto& mode : machine.payload_modes) mode.damping_ratio += ratio + 0.5 * beta * mode.frequency;
+  for (auto& mode : machine.payload_modes)
+    mode.damping_ratio += ratio + 0.5 * beta * omega_of(mode);
   if (kind == ModelKind::rigid) return machine;
   const auto geometry = kinematics::inverse_kinematics(machine, X_reference);
   for (int i = 0; i < model::leg_count; ++i) {

@@ -41,8 +41,7 @@ class Lines {
     return true;
   }
   [[noreturn]] void fail(const std::string& message) const {
-    throw base::InputError(
-        {{.file = path_, .line = number_, .column = 1, .message = message}});
+    throw base::InputError({{.file = path_, .line = number_, .column = 1, .message = message}});
   }
 
  private:
@@ -89,13 +88,14 @@ MarketHead market_head(Lines& lines) {
   const auto is = [&](std::size_t k, std::string_view word) {
     return head.size() > k && base::lower_case(head[k]) == word;
   };
-  const bool known = (is(0, "%%matrixmarket") && is(1, "matrix")) &&
-                     (is(2, "coordinate") || is(2, "array")) && (is(3, "real") || is(3, "integer")) &&
-                     (is(4, "general") || is(4, "symmetric"));
+  const bool known =
+      (is(0, "%%matrixmarket") && is(1, "matrix")) && (is(2, "coordinate") || is(2, "array")) &&
+      (is(3, "real") || is(3, "integer")) && (is(4, "general") || is(4, "symmetric"));
   if (!known)
-    lines.fail(fmt::format("begins with \"{}\", expected \"%%MatrixMarket matrix coordinate real "
-                           "symmetric\" (or array, integer, general)",
-                           base::printable(line)));
+    lines.fail(
+        fmt::format("begins with \"{}\", expected \"%%MatrixMarket matrix coordinate real "
+                    "symmetric\" (or array, integer, general)",
+                    base::printable(line)));
   return {is(2, "coordinate"), is(4, "symmetric")};
 }
 
@@ -143,7 +143,8 @@ void read_array(Lines& lines, bool symmetric, MatrixXd& A) {
 /// "1.25-3" has no letter before its exponent, "1.25D-3" another one.
 std::optional<double> nastran_number(std::string_view text) {
   std::string plain(text);
-  std::ranges::replace_if(plain, [](char c) { return c == 'd' || c == 'D' || c == 'E'; }, 'e');
+  std::ranges::replace_if(
+      plain, [](char c) { return c == 'd' || c == 'D' || c == 'E'; }, 'e');
   const auto sign = plain.find_last_of("+-");
   if (sign != std::string::npos && sign > 0 && plain[sign - 1] != 'e') plain.insert(sign, "e");
   return number_in(plain);
@@ -191,11 +192,12 @@ class Punch {
       const auto comment = line.find('$');
       if (comment != std::string_view::npos) line = line.substr(0, comment);
       if (base::trimmed(line).empty()) continue;
-      const bool continues = line.front() == '*' || line.front() == '+' || line.front() == ' ' ||
-                             line.front() == ',';
+      const bool continues =
+          line.front() == '*' || line.front() == '+' || line.front() == ' ' || line.front() == ',';
       if (!continues) {
         take(entry);
-        const auto end = std::min(line.find_first_of(" *,\t"), std::min<std::size_t>(line.size(), 8));
+        const auto end =
+            std::min(line.find_first_of(" *,\t"), std::min<std::size_t>(line.size(), 8));
         entry = {std::string(line.substr(0, end)), {}};
       }
       add_fields(line, entry);
@@ -231,7 +233,8 @@ class Punch {
       lines_.fail(fmt::format("matrix {} has the form {}, expected 1 (square) or 6 (symmetric)",
                               f[0], form));
     if (type != 1 && type != 2)
-      lines_.fail(fmt::format("matrix {} has numbers of type {}, expected 1 or 2 (real)", f[0], type));
+      lines_.fail(
+          fmt::format("matrix {} has numbers of type {}, expected 1 or 2 (real)", f[0], type));
     symmetric_ = form == symmetric;
   }
 
@@ -251,10 +254,11 @@ class Punch {
   PayloadElement element() {
     for (long component = 1; component <= 6; ++component)
       if (!coordinates_.contains({false, grid_, component}))
-        lines_.fail(fmt::format("the file has no term of component {} of grid point {}, which is "
-                                "meant to be the platform; expected another --grid, or a "
-                                "superelement with this point",
-                                component, grid_));
+        lines_.fail(
+            fmt::format("the file has no term of component {} of grid point {}, which is "
+                        "meant to be the platform; expected another --grid, or a "
+                        "superelement with this point",
+                        component, grid_));
     if (static_cast<Index>(coordinates_.size()) > most_rows)
       lines_.fail(fmt::format("has {} coordinates, expected no more than {}: reduce it first",
                               coordinates_.size(), most_rows));

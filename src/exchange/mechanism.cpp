@@ -104,8 +104,8 @@ void add_sleeve(const model::Leg& leg, const dynamics::LegElement& element, cons
   out.sleeve_damping = c;
   const double tangent = secant + element.contact_root.squaredNorm();
   const double of_chords = 1.0 / std::sqrt((1.0 + f * secant) * (1.0 + f * tangent));
-  const Vector5 stiffening = of_chords * (element.contact_root[0] * offset.J[0] +
-                                          element.contact_root[1] * offset.J[1]);
+  const Vector5 stiffening =
+      of_chords * (element.contact_root[0] * offset.J[0] + element.contact_root[1] * offset.J[1]);
   Matrix5 bend = stiffening * stiffening.transpose();
   for (std::size_t i = 0; i < 2; ++i) bend += k * offset.d[i] * offset.H[i];
   for (Eigen::Index j = 0; j < 2; ++j) {
@@ -249,8 +249,8 @@ Mechanism mechanism(const Machine& machine, const Pose& X_BP, dynamics::ModelKin
   if (machine.base_mount)
     result.parity.push_back({Held::absent, "compliant base", "the base stands still in the file"});
   if (!machine.payload_modes.empty())
-    result.parity.push_back(
-        {Held::absent, "modes of the payload", "platform and payload are one rigid body in the file"});
+    result.parity.push_back({Held::absent, "modes of the payload",
+                             "platform and payload are one rigid body in the file"});
   return result;
 }
 

@@ -52,9 +52,10 @@ void check(const PayloadElement& element) {
 MatrixXd rigid_motion(const MatrixXd& K, Index inner) {
   const Eigen::LLT<MatrixXd> factors(K.bottomRightCorner(inner, inner));
   if (factors.info() != Eigen::Success)
-    base::refuse(place,
-                 "its inner coordinates are not held by the interface: K without the first six rows "
-                 "and columns is not positive definite");
+    base::refuse(
+        place,
+        "its inner coordinates are not held by the interface: K without the first six rows "
+        "and columns is not positive definite");
   return -factors.solve(K.bottomLeftCorner(inner, 6));
 }
 
@@ -83,28 +84,29 @@ PayloadFromElement payload_modes(const PayloadElement& element,
   const MatrixXd psi = rigid_motion(K, inner);
   const MatrixXd K_ii = K.bottomRightCorner(inner, inner), M_ii = M.bottomRightCorner(inner, inner);
   if (Eigen::LLT<MatrixXd>(M_ii).info() != Eigen::Success)
-    base::refuse(place, "M of its inner coordinates is not positive definite: every one needs mass");
+    base::refuse(place,
+                 "M of its inner coordinates is not positive definite: every one needs mass");
   const MatrixXd M_ci = M.topRightCorner(6, inner) + psi.transpose() * M_ii;
   const Matrix6 mass = M.topLeftCorner<6, 6>() + M.topRightCorner(6, inner) * psi +
                        psi.transpose() * M.topRightCorner(6, inner).transpose() +
                        psi.transpose() * M_ii * psi;
-  const Matrix6 resistance =
-      K.topLeftCorner<6, 6>() + K.topRightCorner(6, inner) * psi;
+  const Matrix6 resistance = K.topLeftCorner<6, 6>() + K.topRightCorner(6, inner) * psi;
   const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> solver(K_ii, M_ii);
   const Eigen::LLT<Matrix6> mass_factors(mass);
   if (mass_factors.info() != Eigen::Success)
-    base::refuse(place, "its mass matrix for rigid motions is not positive definite: is M the mass, "
-                        "and are the first six coordinates those of the interface?");
+    base::refuse(place,
+                 "its mass matrix for rigid motions is not positive definite: is M the mass, "
+                 "and are the first six coordinates those of the interface?");
   PayloadFromElement result{.mass = rotated(mass, options.R_PI)};
   const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6> stands(
       0.5 * (resistance + resistance.transpose()), mass, Eigen::EigenvaluesOnly);
   result.rigid_stiffness = stands.eigenvalues().cwiseAbs().maxCoeff() / solver.eigenvalues()[0];
   if (!(result.rigid_stiffness < most_resistance))
-    base::refuse(place,
-                 fmt::format("resists a rigid motion of the platform with {:.3g} times the "
-                             "stiffness of its lowest mode, expected less than {}: it must stand on "
-                             "the platform alone, as one rigid interface at the stated point",
-                             result.rigid_stiffness, most_resistance));
+    base::refuse(
+        place, fmt::format("resists a rigid motion of the platform with {:.3g} times the "
+                           "stiffness of its lowest mode, expected less than {}: it must stand on "
+                           "the platform alone, as one rigid interface at the stated point",
+                           result.rigid_stiffness, most_resistance));
   for (Index k = 0; k < inner; ++k) {
     const Eigen::VectorXd phi = solver.eigenvectors().col(k);
     const Vector6 L = M_ci * phi;
@@ -114,7 +116,8 @@ PayloadFromElement payload_modes(const PayloadElement& element,
       result.first_left_out = omega;
       break;
     }
-    model::PayloadMode mode{.frequency = omega, .damping_ratio = options.damping_ratio};
+    model::PayloadMode mode{.frequency = omega / base::two_pi,
+                            .damping_ratio = options.damping_ratio};
     if (element.C.size() > 0)
       mode.damping_ratio = phi.dot(element.C.bottomRightCorner(inner, inner) * phi) / (2.0 * omega);
     const Vector6 L_P = in_platform(L, options);
@@ -123,8 +126,10 @@ PayloadFromElement payload_modes(const PayloadElement& element,
     result.modes.push_back(mode);
   }
   if (result.modes.empty())
-    base::refuse(place, "has no mode that feels the platform: its inner coordinates have no mass in "
-                        "motions that the platform shares");
+    base::refuse(
+        place,
+        "has no mode that is coupled to the platform: its inner coordinates have no mass in "
+        "motions that the platform shares");
   return result;
 }
 

@@ -67,7 +67,7 @@ Signals mechanics_states(const dynamics::LinearModel& linear,
   for (int rate = 0; rate < 2; ++rate)
     for (std::size_t i = 0; i < names.size(); ++i) {
       const auto& name = names[i];
-      const bool angle = i < 6                            ? i >= 3
+      const bool angle = i < 6                          ? i >= 3
                          : name.starts_with("base.")    ? name.starts_with("base.r")
                          : name.starts_with("payload.") ? false  // for a modal mass of 1 kg
                                                         : name.find(".phi") != std::string::npos;
@@ -85,10 +85,10 @@ Signals mechanics_states(const dynamics::LinearModel& linear,
     const std::string name = arm.what == dynamics::Relaxing::oil      ? "oil"
                              : arm.what == dynamics::Relaxing::sleeve ? "sleeve_"
                                                                       : "ring_";
-    states.push_back({fmt::format("leg{}.{}{}{}", arm.leg + 1, name,
-                                  arm.what == dynamics::Relaxing::oil ? "" : seal_axes[arm.axis],
-                                  before + 1),
-                      "m", 0.0});
+    states.push_back(
+        {fmt::format("leg{}.{}{}{}", arm.leg + 1, name,
+                     arm.what == dynamics::Relaxing::oil ? "" : seal_axes[arm.axis], before + 1),
+         "m", 0.0});
   }
   return states;
 }

@@ -80,10 +80,11 @@ Superelement superelement(const Machine& machine, const Pose& X_BP,
                  "series need states; expected a state space (--to mat, npz, json or hdf5), or "
                  "\"viscous\" (--set damping.oil=viscous)");
   if (model::has_elastomers(machine) && options.kind != dynamics::ModelKind::rigid)
-    base::refuse("elastomer",
-                 "of a seal is a spring that depends on frequency: a superelement holds M, K and C, "
-                 "and its dampers in series need states; expected a state space (--to mat, npz, "
-                 "json or hdf5), or a machine file without `elastomer`");
+    base::refuse(
+        "elastomer",
+        "of a seal is a spring that depends on frequency: a superelement holds M, K and C, "
+        "and its dampers in series need states; expected a state space (--to mat, npz, "
+        "json or hdf5), or a machine file without `elastomer`");
   const auto linear = dynamics::linear_model(machine, X_BP, options.kind);
   const auto modes = modal::normal_modes(linear);
   const auto moved =

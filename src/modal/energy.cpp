@@ -154,8 +154,8 @@ Energies energies(const LinearModel& model, const Shapes& y) {
 /// Makes shares of the energies.
 void normalise(const LinearModel& model, Energies& e) {
   Numbers kinetic = sum(e.platform) + sum(e.legs) + sum(e.base);
-  Numbers elastic = sum(e.oil) + sum(e.guide_sleeve) + sum(e.piston_ring) + e.base_mount +
-                    sum(e.bending);
+  Numbers elastic =
+      sum(e.oil) + sum(e.guide_sleeve) + sum(e.piston_ring) + e.base_mount + sum(e.bending);
   if (model.payload_count() > 0) {
     kinetic += e.payload;
     elastic += e.payload_elastic;
@@ -219,8 +219,8 @@ EnergyShares energy_shares(const LinearModel& model, const ModelVector& real,
     y[j][1] = imaginary[j];
   }
   Energies e = energies(model, y);
-  for (Sextet* parts : {&e.platform, &e.legs, &e.base, &e.oil, &e.guide_sleeve, &e.piston_ring,
-                        &e.bending})
+  for (Sextet* parts :
+       {&e.platform, &e.legs, &e.base, &e.oil, &e.guide_sleeve, &e.piston_ring, &e.bending})
     for (Numbers& part : *parts) part[0] += part[1];
   for (Numbers* part : {&e.base_mount, &e.payload, &e.payload_elastic}) (*part)[0] += (*part)[1];
   e.elastic_and_geometric[0] += e.elastic_and_geometric[1];

@@ -62,9 +62,9 @@ class KeyCheck {
   void check_table(const Node& node, const Fronts& fronts,
                    const std::vector<std::string_view>& keys, const std::string& path) {
     if (node.is_table()) return check(node, fronts, path);
-    const std::string names =
-        path == "poses"           ? "named poses"
-        : path == "payload_modes" ? "named modes"
+    const std::string names = path == "poses" ? "named poses"
+                              : path == "payload_modes"
+                                  ? "named modes"
                                   : fmt::format("the keys {}", fmt::join(keys, ", "));
     faults_.add(node.place, path,
                 fmt::format("is {}, expected a table with {}", described(node), names));

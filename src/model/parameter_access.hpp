@@ -3,8 +3,8 @@
 /// module.
 ///
 /// The way is a chain of members: `&Leg::piston_ring, &PistonRing::stiffness`. It begins in the
-/// machine, in a leg, in a pose or in a mode of the payload, may go through optional parts and ends at numbers, at a word, or
-/// at an element of an array, whose number then stands in the chain.
+/// machine, in a leg, in a pose or in a mode of the payload, may go through optional parts and ends
+/// at numbers, at a word, or at an element of an array, whose number then stands in the chain.
 
 #include <optional>
 #include <type_traits>

@@ -244,7 +244,8 @@ std::string path(const Machine& machine, const ParameterId& id) {
   if (row.path.starts_with(of_modes)) {
     const auto& modes = machine.payload_modes;
     const auto at = static_cast<std::size_t>(id.of - 1);
-    const std::string name = at < modes.size() ? modes[at].name : next_payload_mode(machine, id.of - 1);
+    const std::string name =
+        at < modes.size() ? modes[at].name : next_payload_mode(machine, id.of - 1);
     return fmt::format("payload_modes.{}.{}{}", written_key(name), below(of_modes), element);
   }
   if (row.path.starts_with(of_leg))

@@ -57,13 +57,15 @@ bool check_mode(Machine& machine, int index, ValueChecks& checks) {
     return false;
   }
   if (sound && mode.mass && !(mode.direction.norm() > 1.0 / largest_number)) {
-    checks.add(front + ".direction", "is a vector of length 0, expected the direction in which the "
-                                     "mass swings, as [1, 0, 0]");
+    checks.add(front + ".direction",
+               "is a vector of length 0, expected the direction in which the "
+               "mass swings, as [1, 0, 0]");
     return false;
   }
   if (sound && participation(mode).isZero(0.0)) {
-    checks.add(front + ".participation",
-               "is zero, and so is `participation_moment`: such a mode does not feel the platform");
+    checks.add(
+        front + ".participation",
+        "is zero, and so is `participation_moment`: such a mode is not coupled to the platform");
     return false;
   }
   return sound;
@@ -97,9 +99,9 @@ void check_payload_modes(const Machine& machine, ValueChecks& checks) {
   for (int k = 0; k < static_cast<int>(modes.size()); ++k) {
     const auto& name = modes[static_cast<std::size_t>(k)].name;
     if (name.empty() || !names.insert(name).second)
-      checks.add("payload_modes", fmt::format("has {}, expected modes with different names",
-                                              name.empty() ? "a mode without a name"
-                                                           : "two modes \"" + name + '"'));
+      checks.add("payload_modes",
+                 fmt::format("has {}, expected modes with different names",
+                             name.empty() ? "a mode without a name" : "two modes \"" + name + '"'));
     sound = check_mode(numbers, k, checks) && sound;
   }
   const auto& platform = machine.platform;

@@ -32,20 +32,20 @@ constexpr ParameterRow payload_rows[]{
 # participation = [20.1, 0, 0]          # kg, for a modal mass of 1 kg
 # participation_moment = [0, 26.3, 0]   # kg m, about the origin of the platform frame
 )"),
-    of_mode<&PayloadMode::frequency>("payload_modes.*.frequency", "rad/s", required,
-                                     usual(1.0, 1e4, positive),
+    of_mode<&PayloadMode::frequency>("payload_modes.*.frequency", "Hz", required,
+                                     usual(0.1, 1e3, positive),
                                      "natural frequency with the platform's joints held"),
     of_mode<&PayloadMode::damping_ratio>("payload_modes.*.damping_ratio", "1", otherwise("0"),
                                          below_one, "of this mode, on top of `[damping]`"),
-    of_mode<&PayloadMode::mass>("payload_modes.*.mass", "kg",
-                                otherwise("that of `participation`"), usual(0.1, 1e6, positive),
-                                "that swings; part of `platform.mass`"),
+    of_mode<&PayloadMode::mass>("payload_modes.*.mass", "kg", otherwise("that of `participation`"),
+                                usual(0.1, 1e6, positive), "that swings; part of `platform.mass`"),
     of_mode<&PayloadMode::position>("payload_modes.*.position", "m", otherwise(origin),
                                     usual(1e-4, 50.0, any),
                                     "`[x, y, z]` of that mass in the platform frame"),
     of_mode<&PayloadMode::direction>("payload_modes.*.direction", "1", otherwise("`[1, 0, 0]`"),
-                                     any, "in which the mass swings, in the platform frame; of any "
-                                          "length"),
+                                     any,
+                                     "in which the mass swings, in the platform frame; of any "
+                                     "length"),
     of_mode<&PayloadMode::participation>(
         "payload_modes.*.participation", "kg", otherwise("that of `mass`"), usual(1e-4, 1e4, any),
         "instead of `mass`: Σ m φ of the mode's shape φ over its masses m, for a modal mass "

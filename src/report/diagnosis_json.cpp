@@ -199,14 +199,14 @@ namespace {
 template <class Fields>
 void describe_cause(Fields& f, Cause& cause) {
   static constexpr std::array kinds{
-      "guide_sleeves", "piston_rings",     "bulk_modulus", "oil_springs",  "air",
-      "cap_volume",    "rod_volume",       "gimbals",      "payload",      "payload_height",
-      "inertia",       "mass_and_inertia", "mass_center",  "base_lateral", "base_vertical",
+      "guide_sleeves", "piston_rings",     "bulk_modulus", "oil_springs",   "air",
+      "cap_volume",    "rod_volume",       "gimbals",      "payload",       "payload_height",
+      "inertia",       "mass_and_inertia", "mass_center",  "base_lateral",  "base_vertical",
       "base_rocking",  "oil_lines",        "leakage",      "payload_sways", "payload_heaves",
       "payload_modes"};
-  static constexpr std::array families{"guide sleeves", "piston rings", "leg axes",  "platform",
-                                       "mass centre",   "base",         "oil lines", "leakage",
-                                       "payload modes"};
+  static constexpr std::array families{"guide sleeves", "piston rings", "leg axes",
+                                       "platform",      "mass centre",  "base",
+                                       "oil lines",     "leakage",      "payload modes"};
   if constexpr (!Fields::reads) {
     f.derived("name", cause_name(cause));
     f.derived("statement", cause_statement(cause));

@@ -92,7 +92,8 @@ void add_origins(const Diagnosis& d, std::vector<std::string>& words) {
     std::vector<std::string> modes;
     for (const auto& mode : d.modes) {
       const double share = mode.*origin.share;
-      const double most = std::max({mode.guide_sleeves, mode.piston_rings, mode.base, mode.bending});
+      const double most =
+          std::max({mode.guide_sleeves, mode.piston_rings, mode.base, mode.bending});
       if (share < main_part || share < most || mode.direction < 0) continue;
       const auto text =
           fmt::format("{} at {}", direction_name(mode.direction), frequency_text(mode.omega));
@@ -233,11 +234,12 @@ std::string stiffer_words(const CaseFile& file) {
 std::string bending_words(const Remedy& r) {
   if (!r.limit_without_bending) return "";
   const auto& without = *r.limit_without_bending;
+  const auto small = [](double drop) { return fmt::format("{:.2g} %", 100.0 * drop); };
   return fmt::format(
       " Bending of rods and cases limits what stiffer guide sleeves give to {} and a drop of {}; "
       "with rods and cases that do not bend, rigid guide sleeves would give {} and {}.",
-      frequency_text(r.limit.omega), share_text(r.limit.drop), frequency_text(without.omega),
-      share_text(without.drop));
+      frequency_text(r.limit.omega), small(r.limit.drop), frequency_text(without.omega),
+      small(without.drop));
 }
 
 std::string remedy_words(const CaseFile& file) {

@@ -218,8 +218,8 @@ template <class Fields>
 void describe(Fields& f, modal::ModeTable& table) {
   f.word("model", table.kind, model_words);
   const auto& linear = table.real.linear;
-  f.derived("coordinates", dynamics::coordinate_names(table.kind, linear.base_directions,
-                                                      linear.payload_names));
+  f.derived("coordinates",
+            dynamics::coordinate_names(table.kind, linear.base_directions, linear.payload_names));
   f("modes", table.real.modes);
   f("rigid_modes", table.rigid.modes);
 }
@@ -319,9 +319,9 @@ Json matrices_json(const modal::ModeTable& table) {
   const auto add_arms = [](const modal::LinearModel& model, Json& to) {
     for (const auto& arm : model.arms) {
       Json entry{{"leg", arm.leg + 1},
-                {"stiffness_N_m", arm.stiffness},
-                {"rate_1_s", arm.rate},
-                {"extension", written(arm.s_y)}};
+                 {"stiffness_N_m", arm.stiffness},
+                 {"rate_1_s", arm.rate},
+                 {"extension", written(arm.s_y)}};
       if (arm.what == dynamics::Relaxing::oil) {
         to["oil_arms"].push_back(std::move(entry));
         continue;

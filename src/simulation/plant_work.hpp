@@ -9,8 +9,8 @@ namespace hydrapod::simulation {
 using numerics::Lanes;
 
 /// As long as any plant's state, without allocation.
-constexpr int most_states = 2 * dynamics::most_velocities + 1 +
-                            4 * model::leg_count + 1 + model::leg_count + 12 +
+constexpr int most_states = 2 * dynamics::most_velocities + 1 + 4 * model::leg_count + 1 +
+                            model::leg_count + 12 +
                             2 * 2 * static_cast<int>(dynamics::arms_per_seal) * model::leg_count;
 using StateOnStack = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, most_states, 1>;
 

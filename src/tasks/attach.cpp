@@ -30,16 +30,14 @@ std::string list_text(const Vector3& v) {
   return fmt::format("[{:.{}g}, {:.{}g}, {:.{}g}]", v.x(), digits, v.y(), digits, v.z(), digits);
 }
 
-void add_mode(const model::PayloadMode& mode, std::vector<FileEdit>& edits) {
-  const auto add = [&](const char* key, std::string value) {
-    edits.push_back({fmt::format("payload_modes.{}.{}", model::written_key(mode.name), key),
-                     std::move(value)});
-  };
-  add("frequency", fmt::format("{:.{}g}", mode.frequency, digits));
+/// As a table at the end of a file.
+std::string mode_text(const model::PayloadMode& mode) {
+  std::string text = fmt::format("\n[payload_modes.{}]\nfrequency = \"{:.{}g} Hz\"\n",
+                                 model::written_key(mode.name), mode.frequency, digits);
   if (mode.damping_ratio != 0.0)
-    add("damping_ratio", fmt::format("{:.{}g}", mode.damping_ratio, digits));
-  add("participation", list_text(*mode.participation));
-  add("participation_moment", list_text(mode.participation_moment));
+    text += fmt::format("damping_ratio = {:.{}g}\n", mode.damping_ratio, digits);
+  return text + fmt::format("participation = {}\nparticipation_moment = {}\n",
+                            list_text(*mode.participation), list_text(mode.participation_moment));
 }
 
 /// The platform with a structure of this mass matrix about `p_PI`, axes of P.
@@ -89,10 +87,23 @@ void change_platform(const model::MachineFile& file, const model::Platform& plat
 void require_sound(const model::MachineFile& file, const AttachOptions& options) {
   for (const auto& finding : model::validate(file.machine))
     if (finding.severity == base::Severity::error)
-      base::refuse(options.stiffness,
-                   fmt::format("the machine with its modes is not sound: {}: {}{}", finding.key,
-                               finding.message,
-                               options.add_mass ? "" : "; add the structure's mass with --add-mass"));
+      base::refuse(
+          options.stiffness,
+          fmt::format("the machine with its modes is not sound: {}: {}{}", finding.key,
+                      finding.message,
+                      options.add_mass ? "" : "; add the structure's mass with --add-mass"));
+}
+
+/// Tables cannot follow modes that a file gives between braces.
+void require_readable(const std::string& text) {
+  try {
+    model::parse_machine(text, "attached machine");
+  } catch (const base::InputError& error) {
+    base::refuse("payload_modes", fmt::format("tables with the modes cannot be added to this file "
+                                              "({}); expected its own modes as tables "
+                                              "[payload_modes.NAME]",
+                                              error.what()));
+  }
 }
 
 }  // namespace
@@ -102,10 +113,11 @@ Attached attach_payload(const Machine& machine, const AttachOptions& options) {
   auto& file = attached.file;
   const std::size_t there = file.machine.payload_modes.size();
   if (there + static_cast<std::size_t>(options.modes) > model::most_payload_modes)
-    base::refuse(fmt::format("--modes {}", options.modes),
-                 fmt::format("the machine file has {} modes of the payload, expected no more than {} "
-                             "with those that are attached",
-                             there, model::most_payload_modes));
+    base::refuse(
+        fmt::format("--modes {}", options.modes),
+        fmt::format("the machine file has {} modes of the payload, expected no more than {} "
+                    "with those that are attached",
+                    there, model::most_payload_modes));
   attached.payload = exchange::payload_modes(
       element_of(options),
       {.p_PI = options.p_PI, .modes = options.modes, .damping_ratio = options.damping_ratio});
@@ -115,14 +127,18 @@ Attached attach_payload(const Machine& machine, const AttachOptions& options) {
     change_platform(file, platform, edits);
     file.machine.platform = platform;
   }
+  std::string tables;
   for (auto& mode : attached.payload.modes) {
-    mode.name = model::next_payload_mode(file.machine,
-                                         static_cast<int>(file.machine.payload_modes.size()));
+    mode.name =
+        model::next_payload_mode(file.machine, static_cast<int>(file.machine.payload_modes.size()));
     file.machine.payload_modes.push_back(mode);
-    add_mode(mode, edits);
+    tables += mode_text(mode);
   }
   require_sound(file, options);
   file.text = model::edited_file(file.text, edits, label);
+  if (!file.text.ends_with('\n')) file.text += '\n';
+  file.text += tables;
+  require_readable(file.text);
   file.overrides.clear();
   return attached;
 }

@@ -15,6 +15,8 @@
 
 #include "exact/modal_system.hpp"
 #include "hydrapod/data/record_io.hpp"
+#include "hydrapod/exchange/exchange.hpp"
+#include "support/beam_payload.hpp"
 #include "support/run_program.hpp"
 
 namespace hydrapod {
@@ -95,6 +97,17 @@ void furnish_for_identification(const std::filesystem::path& folder) {
   run_hydrapod({"frf", "run.h5", "--format", "json", "-o", "frf.json"}, {.folder = folder});
 }
 
+/// A flexible payload as a finite-element program writes it.
+void furnish_with_a_cabin(const std::filesystem::path& folder) {
+  const auto [M, K] = test::mast_matrices({});
+  test::write_text(folder / "cabin.K.mtx", exchange::matrix_market(K, {"cabin"}));
+  test::write_text(folder / "cabin.M.mtx", exchange::matrix_market(M, {"cabin"}));
+  exchange::Superelement element;
+  element.M = M;
+  element.K = K;
+  test::write_text(folder / "cabin.pch", exchange::dmig_punch(element, {"cabin"}));
+}
+
 /// A folder as the examples expect it: with the models, and a machine.toml unless that is what is
 /// made, a motion, and measured modes.
 void furnish(const std::filesystem::path& folder, const std::string& command) {
@@ -110,6 +123,7 @@ void furnish(const std::filesystem::path& folder, const std::string& command) {
   if (command == "frf" || command == "identify" || command == "report" || command == "diagnose" ||
       command == "compare" || command == "studio")
     furnish_for_identification(folder);
+  if (command == "attach") furnish_with_a_cabin(folder);
   if (command != "record") return;
   for (const char* name : {"run.h5", "run.csv"})
     data::write_record(folder / name, small_record(), data::format_of_ending(name));

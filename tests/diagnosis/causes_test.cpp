@@ -45,7 +45,7 @@ TEST(Suspects, OfEveryMachineCoverWhatCanBeWrong) {
     EXPECT_THAT(families, testing::UnorderedElementsAre(Family::guide_sleeves, Family::piston_rings,
                                                         Family::leg_axes, Family::platform,
                                                         Family::mass_center, Family::base,
-                                                        Family::oil_lines));
+                                                        Family::oil_lines, Family::payload_modes));
   }
 }
 
@@ -88,7 +88,13 @@ TEST(Suspects, BeginNearTheMachineAsStated) {
     for (const auto& cause : causes_of(file)) {
       if (cause.changes.empty() || cause.needs_rings()) continue;
       const auto begun = omega2(model::with(file.machine, cause.changes), ModelKind::guide);
-      EXPECT_LT((begun - stated).cwiseQuotient(stated).cwiseAbs().maxCoeff(), 0.1)
+      // a payload that swings has modes of its own among the others: the lowest one is compared
+      const auto count = begun.size() == stated.size() ? stated.size() : 1;
+      EXPECT_LT((begun.head(count) - stated.head(count))
+                    .cwiseQuotient(stated.head(count))
+                    .cwiseAbs()
+                    .maxCoeff(),
+                0.1)
           << report::cause_name(cause);
     }
   }

@@ -20,14 +20,14 @@
 namespace hydrapod::test {
 namespace {
 
+using dynamics::leg_beams;
+using dynamics::leg_on_base;
 using dynamics::LegBeams;
 using dynamics::LegElement;
 using dynamics::LegState;
-using dynamics::leg_beams;
-using dynamics::leg_on_base;
-using dynamics::straight_leg;
 using dynamics::Matrix7;
 using dynamics::ModelKind;
+using dynamics::straight_leg;
 using dynamics::Vector7;
 using spatial::Vector3;
 using std::numbers::pi;
@@ -35,7 +35,7 @@ using std::numbers::pi;
 /// A tube, and where point masses sit on it.
 struct Tube {
   double diameter{}, wall{}, density{};
-  double length{};            ///< [m]
+  double length{};              ///< [m]
   double at_start{}, at_end{};  ///< [kg]
 
   [[nodiscard]] double inside() const { return diameter - 2.0 * wall; }
@@ -140,15 +140,16 @@ TEST(LegBeams, GiveWayMoreUnderCompressionAndLessUnderTensionAsBeamElementsDo) {
       const auto elements = leg_of_beams(s, P, true, 40);
       const double f = elements.beams.compliance(elements.case_head, elements.rod_at_sleeve);
       EXPECT_NEAR(beams->compliance(s, P).f, f, tolerance * f) << s << " m, " << P << " N";
-      EXPECT_EQ(f > without * (1.0 + tolerance), P > 100.0);
+      EXPECT_EQ(beams->compliance(s, P).f > without, P > 0.0);
     }
   }
 }
 
 TEST(LegBeams, HaveTheSlopesOfTheirCompliance) {
-  // Differences of fourth order; steps of 2 mm leave some 1e-10 of f''.
+  // Differences of fourth order of what is nearly a polynomial of fourth degree.
   constexpr double h = 2e-3, tolerance = 1e-8;
   const auto beams = leg_beams(leg_of_tubes(8.4e5));
+  ASSERT_TRUE(beams);
   const auto slope = [&](auto part, double s) {
     return (8.0 * (part(s + h) - part(s - h)) - (part(s + 2.0 * h) - part(s - 2.0 * h))) /
            (12.0 * h);
@@ -158,16 +159,16 @@ TEST(LegBeams, HaveTheSlopesOfTheirCompliance) {
       const auto at = beams->compliance(s, P);
       const auto f = [&](double x) { return beams->compliance(x, P).f; };
       const auto f_s = [&](double x) { return beams->compliance(x, P).f_s; };
-      EXPECT_NEAR(at.f_s, slope(f, s), tolerance * std::abs(at.f_s)) << P << " " << s;
-      EXPECT_NEAR(at.f_ss, slope(f_s, s), tolerance * std::abs(at.f_ss)) << P << " " << s;
+      const double a = beams->L_g - s;  // f is of the order of its slopes times a and a²
+      EXPECT_NEAR(at.f_s, slope(f, s), tolerance * at.f / a) << P << " " << s;
+      EXPECT_NEAR(at.f_ss, slope(f_s, s), tolerance * at.f / (a * a)) << P << " " << s;
     }
 }
 
 TEST(LegBeams, AreNoSofterThanAtTheShareOfEulersLoadThatCounts) {
   const auto beams = leg_beams(leg_of_tubes(8.4e5));
   const double euler = pi * pi * beams->EI_rod / (beams->l_mn * beams->l_mn);
-  EXPECT_EQ(beams->compliance(0.7, 5.0 * euler).f,
-            beams->compliance(0.7, 0.95001 * 1e3 * euler).f);
+  EXPECT_EQ(beams->compliance(0.7, 5.0 * euler).f, beams->compliance(0.7, 0.95001 * 1e3 * euler).f);
   EXPECT_GT(beams->compliance(0.7, 5.0 * euler).f, 0.0);
 }
 
@@ -186,11 +187,15 @@ double tilt_error(double k_s, double s, bool with_bow) {
 TEST(LegBending, TiltsAtTheFrequencyOfBeamElements) {
   for (const double k_s : {8.4e5, 4e6, 2e7, 1e9})
     for (const double s : positions) {
-      const double error = tilt_error(k_s, s, true), without = tilt_error(k_s, s, false);
-      std::printf("k_s %.1e s %.3f: %+.5f, mass on the chord %+.5f\n", k_s, s, error, without);
-      EXPECT_GE(error, -1e-9);
-      EXPECT_LE(error, 0.02);
+      const double error = tilt_error(k_s, s, true);
+      EXPECT_GE(error, -1e-7) << k_s << " "
+                              << s;  // a Ritz model is stiffer than what it stands for
+      EXPECT_LE(error, 1.1e-3) << k_s << " " << s;
     }
+  // with the mass on the chords
+  EXPECT_LT(tilt_error(8.4e5, positions.front(), false), -0.09);
+  EXPECT_LT(tilt_error(1e9, positions.front(), false), -0.2);
+  EXPECT_GT(tilt_error(1e9, positions.back(), false), 0.1);
 }
 
 /// A machine of random legs that bend half as much as their seals give way, or as much. Seals are
@@ -319,8 +324,8 @@ TEST(LegBending, SharesEnergyAndDampingAsSpringsInSeriesDo) {
 /// Of springs and arms in series with a spring, against the complex stiffness.
 TEST(LegBending, IsInSeriesWithTheArmsOfAnElastomer) {
   constexpr double k = 8.4e5;
-  const auto arms = dynamics::seal_arms(
-      k, {.dynamic_ratio = 2.3, .loss_factor = 0.21, .frequency = 71.0});
+  const auto arms =
+      dynamics::seal_arms(k, {.dynamic_ratio = 2.3, .loss_factor = 0.21, .frequency = 71.0});
   const auto stiffness = [](double slow, const dynamics::SealArms& of, double per_chord,
                             double omega) {
     const std::complex<double> p(0.0, omega);
@@ -380,8 +385,7 @@ struct AtRest {
   [[nodiscard]] dynamics::Loads loads(const dynamics::Motion& now) const {
     dynamics::Loads loads;
     for (std::size_t i = 0; i < model::leg_count; ++i)
-      loads.axial[static_cast<int>(i)] =
-          -rest.legs[i].oil_force - k_h[i] * (now.legs[i].s - s[i]);
+      loads.axial[static_cast<int>(i)] = -rest.legs[i].oil_force - k_h[i] * (now.legs[i].s - s[i]);
     return loads;
   }
   /// Generalised forces without motion.
@@ -512,7 +516,7 @@ TEST(BendingMachine, RestsAtOtherPosesToo) {
   const auto rest = mechanics.equilibrium(X);
   ASSERT_EQ(rest.status, dynamics::StaticsStatus::converged);
   Eigen::VectorXd y(mechanics.positions()), v = Eigen::VectorXd::Zero(mechanics.velocities()),
-                  rate(v.size());
+                                            rate(v.size());
   mechanics.configuration(X, rest.legs, y.data());
   dynamics::Loads loads;
   for (int k = 0; k < model::leg_count; ++k) loads.axial[k] = -rest.legs[k].oil_force;

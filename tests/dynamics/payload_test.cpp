@@ -34,7 +34,7 @@ using spatial::Vector3;
 
 constexpr std::array all_kinds{ModelKind::rigid, ModelKind::guide, ModelKind::full};
 
-VectorXd omega_of(const model::Machine& machine, ModelKind kind) {
+VectorXd frequencies_of(const model::Machine& machine, ModelKind kind) {
   return modal::normal_modes(dynamics::linear_model(machine, machine.poses.back().X_BP, kind))
       .omega2.cwiseSqrt();
 }
@@ -45,13 +45,14 @@ TEST(PayloadMode, StraightUpIsTheUpperOfTwoMassesOnSprings) {
   auto machine = symmetric_machine();
   const auto rigid = dynamics::linear_model(machine, machine.neutral(), ModelKind::rigid);
   const double k_z = rigid.K(2, 2), m_s = 137.3, k_s = 5.3e5, m_r = rigid.M(2, 2) - m_s;
-  PayloadMode mode{.name = "roof", .frequency = std::sqrt(k_s / m_s)};
+  PayloadMode mode{.name = "roof", .frequency = std::sqrt(k_s / m_s) / base::two_pi};
   mode.mass = m_s;
   mode.position = {0.0, 0.0, 0.71};
   mode.direction = {0.0, 0.0, 2.3};
   machine.payload_modes = {mode};
-  const double b = m_r * k_s + m_s * (k_z + k_s), root = std::sqrt(b * b - 4.0 * m_r * m_s * k_z * k_s);
-  const auto found = omega_of(machine, ModelKind::rigid);
+  const double b = m_r * k_s + m_s * (k_z + k_s),
+               root = std::sqrt(b * b - 4.0 * m_r * m_s * k_z * k_s);
+  const auto found = frequencies_of(machine, ModelKind::rigid);
   ASSERT_EQ(found.size(), 7);
   for (const double sign : {-1.0, 1.0}) {
     const double expected = std::sqrt((b + sign * root) / (2.0 * m_r * m_s));
@@ -65,10 +66,10 @@ TEST(PayloadMode, ThatIsRigidChangesNothing) {
   for (const auto gravity : {Gravity::none, Gravity::down})
     for (const auto kind : all_kinds) {
       auto machine = random_machine(random, {.gravity = gravity});
-      const auto rigid = omega_of(machine, kind);
+      const auto rigid = frequencies_of(machine, kind);
       const double far = 1e6 * rigid[5];
       put_modes_on(machine, 3, random, far, 1.5 * far);
-      const auto found = omega_of(machine, kind);
+      const auto found = frequencies_of(machine, kind);
       ASSERT_EQ(found.size(), rigid.size() + 3);
       EXPECT_LT((found.head(6) - rigid.head(6)).cwiseQuotient(rigid.head(6)).cwiseAbs().maxCoeff(),
                 1e-9);
@@ -109,7 +110,9 @@ TEST(PayloadMode, LeavesTheMatricesOfTheRestAsTheyAre) {
 
 // ---- MuJoCo: a platform with bodies that slide on it ----------------------------------------
 
-std::string text(const Vector3& v) { return fmt::format("{:.17g} {:.17g} {:.17g}", v.x(), v.y(), v.z()); }
+std::string text(const Vector3& v) {
+  return fmt::format("{:.17g} {:.17g} {:.17g}", v.x(), v.y(), v.z());
+}
 
 /// Inertial of a body at `c` in a frame whose axes are those of P. MuJoCo's own diagonalisation of
 /// a full tensor stops early, so it gets the principal axes.
@@ -152,7 +155,8 @@ class SlidingBodies {
     const Eigen::Quaterniond q(X_BP.R_BP);
     const Vector3 C = X_BP * platform.mass_center;
     const std::string xml = fmt::format(
-        "<mujoco><compiler autolimits='true' boundmass='0' boundinertia='0' balanceinertia='false'/>"
+        "<mujoco><compiler autolimits='true' boundmass='0' boundinertia='0' "
+        "balanceinertia='false'/>"
         "<option gravity='{}'/><worldbody><body pos='{}' quat='{:.17g} {:.17g} {:.17g} {:.17g}'>"
         "<freejoint/>{}{}</body></worldbody></mujoco>",
         text(machine.gravity), text(C), q.w(), q.x(), q.y(), q.z(),
@@ -245,11 +249,12 @@ TEST(PayloadMode, IsABodyOfMujocoThatSlidesOnASpring) {
       K.topLeftCorner(n, n) = legs.K;
       M(at, at) += M_b;
       for (int k = 0; k < 3; ++k) {
-        const double omega = machine.payload_modes[static_cast<std::size_t>(k)].frequency;
+        const double omega = omega_of(machine.payload_modes[static_cast<std::size_t>(k)]);
         K(n + k, n + k) += omega * omega;
       }
       MatrixXd weight = K_b;
-      weight.topLeftCorner<6, 6>().setZero();  // in hydrapod's K of the legs: a weight at C has none
+      weight.topLeftCorner<6, 6>()
+          .setZero();  // in hydrapod's K of the legs: a weight at C has none
       K(at, at) += weight;
       EXPECT_LT((found.M - M).cwiseAbs().maxCoeff(), 1e-11 * M.cwiseAbs().maxCoeff());
       EXPECT_LT(MatrixXd(found.K - K).rightCols(3).cwiseAbs().maxCoeff(),
@@ -294,8 +299,8 @@ TEST(PayloadMode, OnABaseThatMovesIsPartOfOneFreeBody) {
 
 TEST(PayloadMode, HasTheEnergyOfItsAbsoluteMotion) {
   auto machine = symmetric_machine();
-  PayloadMode mode{.name = "cabin", .frequency = 41.0};
-  mode.mass = 217.0;
+  PayloadMode mode{.name = "cabin", .frequency = 41.0 / base::two_pi};
+  mode.mass = 37.3;
   mode.position = {0.0, 0.0, 0.4};
   machine.payload_modes = {mode};
   for (const auto kind : all_kinds) {
@@ -318,7 +323,7 @@ TEST(PayloadMode, HasTheEnergyOfItsAbsoluteMotion) {
     leg.rod.mass = leg.rod.transverse_inertia = 0.0;
   }
   const auto light = dynamics::linear_model(machine, machine.neutral(), ModelKind::rigid);
-  EXPECT_NEAR(modal::energy_shares(light, all).front().payload, 217.0 / machine.platform.mass,
+  EXPECT_NEAR(modal::energy_shares(light, all).front().payload, 37.3 / machine.platform.mass,
               1e-12);
 }
 
@@ -326,8 +331,8 @@ TEST(PayloadMode, AddsItsDamperAndRayleighs) {
   auto machine = symmetric_machine();
   machine.damping.rayleigh_mass = 0.3;
   machine.damping.rayleigh_stiffness = 2e-5;
-  PayloadMode mode{.name = "cabin", .frequency = 41.0, .damping_ratio = 0.07};
-  mode.mass = 217.0;
+  PayloadMode mode{.name = "cabin", .frequency = 41.0 / base::two_pi, .damping_ratio = 0.07};
+  mode.mass = 37.3;
   machine.payload_modes = {mode};
   const auto model = dynamics::linear_model(machine, machine.neutral(), ModelKind::rigid);
   EXPECT_NEAR(model.C(6, 6), 2.0 * 0.07 * 41.0 + 0.3 + 2e-5 * 41.0 * 41.0, 1e-12);

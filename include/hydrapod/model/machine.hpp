@@ -355,7 +355,7 @@ struct Platform {
 /// Platform::mass, mass_center and inertia contain its mass.
 struct PayloadMode {
   std::string name{};
-  double frequency{};      ///< ω [rad/s]
+  double frequency{};      ///< ω/2π [Hz]
   double damping_ratio{};  ///< ζ, on top of `damping`
   /// m [kg] that swings: exactly one of `mass` and `participation` is set.
   std::optional<double> mass{};
