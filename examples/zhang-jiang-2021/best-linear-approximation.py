@@ -30,7 +30,8 @@ def run(*arguments):
 
 
 def main_direction(mode):
-    size = [abs(value) for value in mode["displacement_shape"]]
+    gyration = 0.23  # m, of the platform: angles beside lengths
+    size = [abs(value) * (1.0 if k < 3 else gyration) for k, value in enumerate(mode["displacement_shape"]["re"])]
     return directions[size.index(max(size))]
 
 
@@ -45,13 +46,16 @@ def strong_modes(modes):
 
 
 def exact_poles():
-    found = {}
-    for mode in run("modes", machine, "--open-loop")["modes"]:
-        energy = mode.get("platform_energy")
-        if not energy or sum(energy) < 0.5:
+    """Per direction the lightly damped pole in which the platform takes part most."""
+    best = {}
+    for pole in run("modes", machine, "--open-loop")["poles"]:
+        if not 1.0 < pole["frequency_hz"] < 100.0 or pole["damping_ratio"] > 0.3:
             continue
-        found[directions[energy.index(max(energy))]] = mode
-    return found
+        for direction in directions:
+            share = pole["participation"]["platform " + direction]
+            if share > best.get(direction, (0.0, None))[0]:
+                best[direction] = (share, pole)
+    return {direction: pole for direction, (_, pole) in best.items()}
 
 
 def identified(level, seed, folder):

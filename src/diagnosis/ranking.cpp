@@ -88,13 +88,25 @@ bool only_shapes_differ(const Diagnosis& d) {
   return !more && goodness(d, d.nominal()).frequencies.probability() >= usual;
 }
 
-/// Leaves of those that are alike the ones that explain the data, and better than a cause that is
-/// no candidate would.
+/// Could frequencies have refuted it? As many numbers as frequencies, or one less, meet any.
+bool is_tested(const Diagnosis& d, const Hypothesis& e) {
+  constexpr int least = 2;
+  return static_cast<int>(d.targets.modes.size()) - e.parameters >= least;
+}
+
+/// Leaves of those that are alike the ones that explain the data, with numbers that no bound holds,
+/// and clearly better than a cause that is no candidate would. There are more causes than
+/// candidates: odds of 20 : 1 besides those of `same`.
 void drop_unexplained(Diagnosis& d) {
   if (only_shapes_differ(d)) d.equivalent.clear();
-  const double limit = unlisted_bic(d) - same;
+  const double limit = unlisted_bic(d) - 2.0 * same;
+  const auto held = [](const calibration::FittedParameter& p) {
+    return p.verdict == calibration::Verdict::at_bound;
+  };
   std::erase_if(d.equivalent, [&](std::size_t k) {
-    return d.hypotheses[k].bic > limit || !explains(d, d.hypotheses[k]);
+    const auto& e = d.hypotheses[k];
+    return e.bic > limit || !explains(d, e) || !is_tested(d, e) ||
+           std::ranges::any_of(e.fit.parameters, held);
   });
 }
 

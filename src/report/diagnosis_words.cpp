@@ -277,7 +277,7 @@ std::string misfit_text(const Diagnosis& d) {
         "even the best hypothesis ({}) differs from the measured values by {:.{}f} σ", name,
         d.scatter, d.scatter < 10.0 ? 1 : 0);
   const auto g = goodness(d, d.best());
-  if (d.best().bic > unlisted_bic(d) - same)
+  if (d.best().bic > unlisted_bic(d) - 2.0 * same)
     return fmt::format(
         "even the best hypothesis ({}) explains the measured values no better than a change of "
         "each "

@@ -245,7 +245,7 @@ void add_masses(const Scales& s, double f, std::vector<UnlistedCase>& all) {
                               100.0 * xz, 100.0 * yz),
        .basic = {.fault = {set("platform.inertia.xz", platform.inertia(0, 2) - xz * m_I),
                            set("platform.inertia.yz", platform.inertia(1, 2) - yz * m_I)}},
-       .same_parts = {"platform inertia"}});
+       .same_parts = {"inertia"}});
 }
 
 void add_geometry(const Scales& s, double f, std::vector<UnlistedCase>& all) {
@@ -261,7 +261,8 @@ void add_geometry(const Scales& s, double f, std::vector<UnlistedCase>& all) {
        .basic = {.fault = {set("leg.3.platform_joint",
                                legs[2].platform_joint + off * Vector3(-0.36, 0.48, 0.8)),
                            set("leg.4.platform_joint",
-                               legs[3].platform_joint + off * Vector3(0.6, -0.64, 0.48))}}});
+                               legs[3].platform_joint + off * Vector3(0.6, -0.64, 0.48))}},
+       .same_parts = {"guide sleeve of leg 3", "guide sleeve of leg 4"}});
   const double up = 0.035 * f * s.height, tilt = 0.03 * f;
   all.push_back(
       {.physics = fmt::format("pose wrong by {:.0f} mm and {:.1f}°", 1e3 * up,
