@@ -8,7 +8,7 @@ namespace hydrapod::hydraulics {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-constexpr int points = 4096;  // of half a period: the law turns within a few where strokes are long
+constexpr int points = 1024;  // of half a period: the law turns within a few where strokes are long
 
 /// Half a period of x = A cos ωt from x = A on, with v < 0: the sums of F cos θ and F sin θ, and the
 /// bend of the bristles at its end.

@@ -157,15 +157,31 @@ class Swinging {
   std::array<hydraulics::Friction, model::leg_count> friction_{};
 };
 
-/// The mode of `modes` most like `shape`, and its MAC in the metric of M.
-std::pair<int, double> most_like(const NormalModes& modes, const ModelMatrix& M,
-                                 const ModelVector& shape) {
-  const ModelVector momentum = M * shape;
-  const Eigen::VectorXd mac =
-      (modes.shapes.transpose() * momentum).cwiseAbs2() / shape.dot(momentum);
+/// What of a motion vibrates as one.
+struct Vibration {
+  ModelVector shape{};  ///< φᵀ M φ = 1
+  double omega2{};
+  double mac{};  ///< of the motion with it, in the metric of M
+};
+
+/// The mode most like the motion `y`, with those that hardly differ in frequency: any combination of
+/// these vibrates nearly as one, and which of them is a mode is decided by next to nothing.
+Vibration vibration_in(const NormalModes& modes, const ModelMatrix& M, const ModelMatrix& K,
+                       const ModelVector& y) {
+  constexpr double together = 1e-3;  // of ω²
+  const ModelVector momentum = M * y;
+  const ModelVector parts = modes.shapes.transpose() * momentum;
   Eigen::Index best = 0;
-  const double most = mac.maxCoeff(&best);
-  return {static_cast<int>(best), most};
+  parts.cwiseAbs().maxCoeff(&best);
+  ModelVector shape = ModelVector::Zero(y.size());
+  for (Eigen::Index k = 0; k < parts.size(); ++k)
+    if (std::abs(modes.omega2[k] - modes.omega2[best]) <= together * std::abs(modes.omega2[best]))
+      shape += parts[k] * modes.shapes.col(k);
+  const double size = shape.dot(M * shape);
+  Vibration result{.mac = size / y.dot(momentum)};
+  result.shape = shape / std::sqrt(size);
+  result.omega2 = result.shape.dot(K * result.shape);
+  return result;
 }
 
 /// One mode on its way from amplitude to amplitude.
@@ -205,12 +221,11 @@ class Follower {
     for (int k = 0; k < options_.most_iterations; ++k) {
       const auto model = swinging_.at(y_, omega_, point);
       const auto modes = normal_modes(model);
-      const auto [mode, mac] = most_like(modes, M, y_);
-      if (mac < options_.least_mac || !(modes.omega2[mode] > 0.0)) return false;
-      ModelVector shape = modes.shapes.col(mode);
-      if (shape.dot(M * y_) < 0.0) shape = -shape;
-      const double change = std::abs(modes.omega(mode) - omega_);
-      omega_ = modes.omega(mode);
+      const auto found = vibration_in(modes, M, model.K, y_);
+      if (found.mac < options_.least_mac || !(found.omega2 > 0.0)) return false;
+      const double omega = std::sqrt(found.omega2), change = std::abs(omega - omega_);
+      omega_ = omega;
+      const ModelVector& shape = found.shape;
       const ModelVector residual = swinging_.scaled(shape, amplitude_) - y_;
       const double size = y_.dot(M * y_), left = residual.dot(M * residual);
       if (change <= options_.tolerance * omega_ && left <= options_.tolerance * size) {
@@ -219,8 +234,9 @@ class Follower {
       }
       if (before.size() > 0) {
         const ModelVector turn = residual - before;
-        const double per_share = before.dot(M * turn) / turn.dot(M * turn);
-        share = std::clamp(-share * per_share, least_share, whole);
+        const double turned = turn.dot(M * turn);
+        if (turned > 0.0)
+          share = std::clamp(-share * before.dot(M * turn) / turned, least_share, whole);
       }
       y_ += share * residual;
       before = residual;

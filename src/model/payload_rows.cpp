@@ -24,13 +24,12 @@ constexpr ParameterRow payload_rows[]{
 # [payload_modes.cabin]
 # frequency = "11 Hz"                   # with the platform's joints held
 # damping_ratio = "3 %"                 # on top of [damping]; default 0
-# mass = "420 kg"                       # that swings
-# position = [0, 0, "1.3 m"]            # of that mass in the platform frame; default [0, 0, 0]
+# mass = "120 kg"                       # that swings
+# position = [0, 0, "0.7 m"]            # of that mass in the platform frame; default [0, 0, 0]
 # direction = [1, 0, 0]                 # in which it swings
 #
-# Instead of mass, position and direction, of a finite-element model:
-# participation = [20.1, 0, 0]          # kg, for a modal mass of 1 kg
-# participation_moment = [0, 26.3, 0]   # kg m, about the origin of the platform frame
+# Instead of mass, position and direction, of a finite-element model: `participation` [kg] and
+# `participation_moment` [kg m], for a modal mass of 1 kg (docs/howto/machine-file.md).
 )"),
     of_mode<&PayloadMode::frequency>("payload_modes.*.frequency", "Hz", required,
                                      usual(0.1, 1e3, positive),

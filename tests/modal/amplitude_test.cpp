@@ -143,7 +143,7 @@ TEST(ModesAtAmplitudes, SoftenWithElastomersThatAmplitudesSoften) {
   const auto lowest = curves_of(machine, {1e-7, 1e-3, 10.0}).front();
   ASSERT_EQ(lowest.points.size(), 3U);
   const double whole = lowest.points[0].omega - limit;
-  EXPECT_GT(whole, 1e-4 * limit);
+  EXPECT_GT(whole, 1e-5 * limit);
   EXPECT_GT(lowest.points[0].omega, lowest.points[1].omega);
   EXPECT_NEAR(lowest.points[2].omega, limit, 0.01 * whole);
 }

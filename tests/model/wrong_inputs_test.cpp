@@ -190,7 +190,7 @@ const std::vector<WrongInput> wrong_files{
      {{"[leg.3.guide_sleeve]\nstiffness = \"4 kN/mm\"", "[leg.3]\nguide_sleeve = 3"}},
      {},
      "m.toml:36:16: error: leg.3.guide_sleeve: is the number 3, expected a table with the keys "
-     "position, stiffness, damping, gap, guide_stiffness"},
+     "position, stiffness, damping, gap, guide_stiffness, elastomer"},
     {"ArrayOfTables",
      {{"[legs.rod]", "[[legs.rod]]"}},
      {},
