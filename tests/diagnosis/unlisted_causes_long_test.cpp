@@ -16,7 +16,7 @@ namespace {
 
 TEST(UnlistedCauses, AreNotBlamedOnListedParts) {
   int cases = 0, blamed = 0, same_part = 0;
-  std::cout << "| machine | poses | noise | planted | change of a frequency | verdict | blamed |\n"
+  std::cout << "| machine | poses | noise | planted | change of a frequency | verdict | identified |\n"
                "| --- | --- | --- | --- | ---: | --- | --- |\n";
   for (const auto& test : unlisted_cases()) {
     const auto result = run_unlisted(test);
@@ -32,7 +32,7 @@ TEST(UnlistedCauses, AreNotBlamedOnListedParts) {
                                                  : "ANOTHER PART")
               << std::flush;
   }
-  std::cout << "\nA part that is not the cause is blamed in " << rate_text(blamed, cases)
+  std::cout << "\nA part that is not the cause is identified in " << rate_text(blamed, cases)
             << ", the part itself in " << rate_text(same_part, cases) << ".\n";
   EXPECT_GE(cases, 60);
   EXPECT_LE(blamed, 0.05 * cases);
