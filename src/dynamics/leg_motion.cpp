@@ -182,4 +182,11 @@ Lanes move_legs(const LegConstants& legs, const Vector3L& L, const Vector3L& v_a
   return exist;
 }
 
+Vector6 frame_spins(const NonlinearModel& model, const Motion& motion) {
+  if (model.machine().flexible_axes == model::FlexibleAxes::gimbal) return Vector6::Zero();
+  Vector6 spins;
+  for (int i = 0; i < model::leg_count; ++i) spins[i] = side_by_side(motion).omega[2][i];
+  return spins;
+}
+
 }  // namespace hydrapod::dynamics

@@ -492,11 +492,4 @@ double NonlinearModel::dissipation(const Motion& motion) const {
   return power.sum() + payload_dissipation(constants_->payload, motion);
 }
 
-Vector6 frame_spins(const NonlinearModel& model, const Motion& motion) {
-  if (model.machine().flexible_axes == model::FlexibleAxes::gimbal) return Vector6::Zero();
-  Vector6 spins;
-  for (int i = 0; i < model::leg_count; ++i) spins[i] = side_by_side(motion).omega[2][i];
-  return spins;
-}
-
 }  // namespace hydrapod::dynamics
