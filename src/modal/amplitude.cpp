@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include "hydrapod/dynamics/linear_model.hpp"
 #include "hydrapod/hydraulics/servo_axis.hpp"
@@ -194,21 +195,40 @@ class Follower {
         y_(first_),
         omega_(swinging.modes().omega(mode)) {}
 
-  /// To the amplitude of `point`. False where the mode is lost or the iteration does not end.
+  /// To the amplitude of `point`. False where the mode is lost or the iteration does not end. The
+  /// steps are as long as the shape stays like that of the step before.
   bool to(ModeAtAmplitude& point) {
     const double wanted = point.amplitude;
-    if (amplitude_ == 0.0) amplitude_ = wanted;
-    const int steps = std::max(
-        1, static_cast<int>(std::ceil(std::log(wanted / amplitude_) / std::log(options_.largest_ratio))));
-    const double ratio = std::pow(wanted / amplitude_, 1.0 / steps);
-    for (int k = 1; k <= steps; ++k) {
-      amplitude_ = k == steps ? wanted : amplitude_ * ratio;
-      if (!balance(point)) return false;
+    constexpr double shortest = 1.003;  // ratio of two amplitudes
+    double ratio = options_.largest_ratio;
+    if (amplitude_ == 0.0) return step_to(wanted, point);
+    while (amplitude_ < wanted) {
+      if (step_to(std::min(amplitude_ * ratio, wanted), point)) {
+        ratio = std::min(ratio * ratio, options_.largest_ratio);
+      } else if (ratio = std::sqrt(ratio); ratio < shortest) {
+        return false;
+      }
     }
     return true;
   }
 
  private:
+  /// True where the balance at `amplitude` has a shape like the present one; else nothing changes.
+  bool step_to(double amplitude, ModeAtAmplitude& point) {
+    const auto& M = swinging_.linear().M;
+    const ModelVector before = y_;
+    const double omega = omega_, from = std::exchange(amplitude_, amplitude);
+    if (balance(point)) {
+      const ModelVector momentum = M * before;
+      const double mac = std::pow(point.shape.dot(momentum), 2) / before.dot(momentum);
+      if (mac >= std::max(options_.least_mac, 0.8)) return true;
+    }
+    y_ = before;
+    omega_ = omega;
+    amplitude_ = from;
+    return false;
+  }
+
   /// Fixed point y = the mode at y, scaled: steps along the change, as long as Aitken's method finds
   /// them good (Küttler & Wall, Comput. Mech. 43 (2008) 61). Near the edge of a gap the whole change
   /// would jump to and fro.
@@ -222,7 +242,7 @@ class Follower {
       const auto model = swinging_.at(y_, omega_, point);
       const auto modes = normal_modes(model);
       const auto found = vibration_in(modes, M, model.K, y_);
-      if (found.mac < options_.least_mac || !(found.omega2 > 0.0)) return false;
+      if (!(found.omega2 > 0.0)) return false;
       const double omega = std::sqrt(found.omega2), change = std::abs(omega - omega_);
       omega_ = omega;
       const ModelVector& shape = found.shape;

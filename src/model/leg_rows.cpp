@@ -34,7 +34,8 @@ void drop_stiffness(Machine& machine, int leg) {
   machine.legs[static_cast<std::size_t>(leg)].oil_spring.stiffness.reset();
 }
 
-constexpr Bound above_one{.lowest = 1.0, .more_than_lowest = true};
+constexpr Bound above_one{
+    .lowest = 1.0, .more_than_lowest = true, .expected = "more than 1"};
 
 /// The keys of a seal's elastomer; `seal`: the way to it.
 template <int which, auto... seal>
