@@ -46,7 +46,7 @@ constexpr ParameterRow of_elastomer(std::string_view path) {
                  "(docs/theory/elastomers.md); without the table it is an ideal spring");
   if constexpr (which == 1)
     return number<seal..., &Elastomer::dynamic_ratio>(
-        path, "1", required, usual(1.02, 6.0, above_one),
+        path, "1", required, usual(1e-3, 6.0, above_one),
         "stiffness at `frequency` over `stiffness`, which is then that of slow motions; more "
         "than 1, of O-rings 1.3 to 3",
         shown("1.6"));
