@@ -1,5 +1,6 @@
 #include "hydrapod/modal/damped_modes.hpp"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -200,8 +201,9 @@ class Follower {
   bool to(ModeAtAmplitude& point) {
     const double wanted = point.amplitude;
     constexpr double shortest = 1.003;  // ratio of two amplitudes
+    constexpr double small = 1e-3;      // of the first amplitude: where the way begins
     double ratio = options_.largest_ratio;
-    if (amplitude_ == 0.0) return step_to(wanted, point);
+    if (amplitude_ == 0.0 && !step_to(small * wanted, point)) return false;
     while (amplitude_ < wanted) {
       if (step_to(std::min(amplitude_ * ratio, wanted), point)) {
         ratio = std::min(ratio * ratio, options_.largest_ratio);
@@ -229,14 +231,15 @@ class Follower {
     return false;
   }
 
-  /// Fixed point y = the mode at y, scaled: steps along the change, as long as Aitken's method finds
-  /// them good (Küttler & Wall, Comput. Mech. 43 (2008) 61). Near the edge of a gap the whole change
-  /// would jump to and fro.
+  /// Fixed point y = the mode at y, scaled, by Anderson's acceleration (Walker & Ni, SIAM J. Numer.
+  /// Anal. 49 (2011) 1715): near the edge of a gap the change itself would jump to and fro.
   bool balance(ModeAtAmplitude& point) {
     const auto& M = swinging_.linear().M;
-    constexpr double first_share = 0.3, least_share = 0.01, whole = 1.0;
-    double share = first_share;
-    ModelVector before;
+    constexpr double share = 0.3;  // of the residual
+    constexpr Eigen::Index memory = 6;
+    const Eigen::VectorXd weight = M.diagonal().cwiseSqrt();
+    Eigen::MatrixXd dy(y_.size(), 0), dr(y_.size(), 0);
+    Eigen::VectorXd y_before, r_before;
     y_ = swinging_.scaled(y_, amplitude_);
     for (int k = 0; k < options_.most_iterations; ++k) {
       const auto model = swinging_.at(y_, omega_, point);
@@ -245,23 +248,32 @@ class Follower {
       if (!(found.omega2 > 0.0)) return false;
       const double omega = std::sqrt(found.omega2), change = std::abs(omega - omega_);
       omega_ = omega;
-      const ModelVector& shape = found.shape;
-      const ModelVector residual = swinging_.scaled(shape, amplitude_) - y_;
+      const ModelVector residual = swinging_.scaled(found.shape, amplitude_) - y_;
       const double size = y_.dot(M * y_), left = residual.dot(M * residual);
       if (change <= options_.tolerance * omega_ && left <= options_.tolerance * size) {
-        finish(model, shape, point);
+        finish(model, found.shape, point);
         return true;
       }
-      if (before.size() > 0) {
-        const ModelVector turn = residual - before;
-        const double turned = turn.dot(M * turn);
-        if (turned > 0.0)
-          share = std::clamp(-share * before.dot(M * turn) / turned, least_share, whole);
+      const Eigen::VectorXd y = weight.cwiseProduct(Eigen::VectorXd(y_));
+      const Eigen::VectorXd r = weight.cwiseProduct(Eigen::VectorXd(residual));
+      if (k > 0) {
+        append(y - y_before, memory, dy);
+        append(r - r_before, memory, dr);
       }
-      y_ += share * residual;
-      before = residual;
+      y_before = y;
+      r_before = r;
+      Eigen::VectorXd next = y + share * r;
+      if (dr.cols() > 0) next -= (dy + share * dr) * dr.colPivHouseholderQr().solve(r);
+      y_ = next.cwiseQuotient(weight);
     }
     return false;
+  }
+
+  /// `column` as the last of at most `most`.
+  static void append(const Eigen::VectorXd& column, Eigen::Index most, Eigen::MatrixXd& columns) {
+    if (columns.cols() == most) columns = columns.rightCols(most - 1).eval();
+    columns.conservativeResize(Eigen::NoChange, columns.cols() + 1);
+    columns.rightCols<1>() = column;
   }
 
   void finish(const LinearModel& model, const ModelVector& shape, ModeAtAmplitude& point) const {

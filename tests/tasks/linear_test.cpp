@@ -177,9 +177,9 @@ TEST(Readers, TakeNoShapeThatIsNotOfTheModel) {
             "modes.json: error: modes[2].shape: expected 18 numbers");
   EXPECT_EQ(refusal_of_modes([](Json& json) {
               auto& shape = json["rigid_modes"][5]["shape"];
-              while (shape.size() < 37) shape.push_back(0.7);
+              while (shape.size() < 43) shape.push_back(0.7);
             }),
-            "modes.json: error: rigid_modes[5].shape: expected at most 36 numbers");
+            "modes.json: error: rigid_modes[5].shape: expected at most 42 numbers");
   EXPECT_EQ(refusal_of_modes([](Json& json) {
               json["modes"][1]["shape_imaginary"] = {1.0, 2.0};
             }),
