@@ -63,7 +63,8 @@ SealArms arms_in_series(const SealArms& arms, double k, double f) {
   constexpr double least = 1e-9;  // of the arms' share in series: below, they are what they were
   if (!(f * (arms[0].stiffness + arms[1].stiffness + arms[2].stiffness) > least)) return arms;
   SealArms sorted = arms;
-  std::ranges::sort(sorted, {}, &SealArm::rate);
+  std::sort(sorted.begin(), sorted.end(),
+            [](const SealArm& a, const SealArm& b) { return a.rate < b.rate; });
   // 1 + f k(−μ), which falls from ∞ (from 1 + f k at μ = 0) to −∞ between two rates.
   const auto excess = [&](double mu) {
     double sum = 1.0 + f * k;

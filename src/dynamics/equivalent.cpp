@@ -51,7 +51,7 @@ struct PeriodSums {
       for (const double c : {(-am - std::sqrt(root)) / a2, (-am + std::sqrt(root)) / a2})
         if (std::abs(c) < 1.0) ends.push_back(std::acos(c));
     }
-    std::ranges::sort(ends);
+    std::sort(ends.begin(), ends.end());
     return ends;
   }
 
