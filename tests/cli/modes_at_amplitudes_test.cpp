@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "hydrapod/report/model_results.hpp"
 #include "support/run_program.hpp"
 
@@ -24,7 +26,9 @@ TEST(ModesAtAmplitudes, WithoutContactAreThoseOfSmallMotions) {
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const auto json = report::Json::parse(run.out);
   EXPECT_EQ(json["kind"], "modes_at_amplitudes");
-  EXPECT_EQ(json["amplitude_m"], report::Json({1e-5, 1e-4, 1e-3}));
+  ASSERT_EQ(json["amplitude_m"].size(), 3U);
+  for (std::size_t k = 0; k < 3; ++k)
+    EXPECT_NEAR(json["amplitude_m"][k].get<double>(), 1e-5 * std::pow(10.0, k), 1e-17);
   ASSERT_GE(json["curves"].size(), 6U);
   for (const auto& curve : json["curves"])
     for (const auto& point : curve["points"]) {
