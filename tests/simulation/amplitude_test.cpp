@@ -65,7 +65,7 @@ TEST(SwingsOnTheGuide, HaveTheFrequencyOfTheHarmonicBalance) {
     leg.guide_sleeve.guide_stiffness = 1.3e6;
   }
   const auto& X_BP = machine.neutral();
-  const std::vector<double> amplitudes{5e-5, 7e-5, 1e-4};
+  const std::vector<double> amplitudes{5e-5, 1e-4, 1.8e-4};
   const auto curves =
       modal::modes_at_amplitudes(machine, X_BP, ModelKind::guide, amplitudes);
   // x and y are alike, but not in how their rods meet the guides; one is followed all the way.
@@ -96,9 +96,10 @@ TEST(SwingsOnTheGuide, HaveTheFrequencyOfTheHarmonicBalance) {
     change.head<3>().cwiseAbs().maxCoeff(&state);
     const double measured =
         Swing(plant, x, rest.input).frequency(static_cast<int>(state), rest.x[state], 6, 2e-5);
-    // The frequency changes by 15 %. What one harmonic leaves out is of the order of a percent of that
-    // change. (At 0.18 mm, where the frequency is 26 % higher, the swing is 2 % faster.)
-    EXPECT_NEAR(measured, point.omega, 2e-3 * point.omega) << point.amplitude;
+    // Where all rods strike their guides hard, and the frequency is 26 % higher, other modes are struck
+    // as well, and one harmonic is not the whole of it.
+    const double tolerance = point.amplitude < 1.5e-4 ? 1e-3 : 0.025;
+    EXPECT_NEAR(measured, point.omega, tolerance * point.omega) << point.amplitude;
     RecordProperty("at " + std::to_string(point.amplitude),
                    std::to_string(lowest.omega) + " → " + std::to_string(point.omega) +
                        " rad/s, simulated " + std::to_string(measured));
