@@ -223,7 +223,7 @@ class Follower {
     if (balance(point)) {
       const ModelVector momentum = M * before;
       const double mac = std::pow(point.shape.dot(momentum), 2) / before.dot(momentum);
-      if (mac >= std::max(options_.least_mac, 0.8)) return true;
+      if (mac >= options_.least_mac) return true;
     }
     y_ = before;
     omega_ = omega;

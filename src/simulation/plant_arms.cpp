@@ -3,12 +3,6 @@
 #include "hydrapod/dynamics/linear_model.hpp"
 #include "plant_work.hpp"
 
-namespace hydrapod::dynamics {
-/// Rates [rad/s] at which the legs' frames turn about n against their cases, which do not spin
-/// (FlexibleAxes::transverse); zero with gimbal axes.
-Vector6 frame_spins(const NonlinearModel& model, const Motion& motion);
-}  // namespace hydrapod::dynamics
-
 namespace hydrapod::simulation {
 
 using dynamics::arms_per_seal;

@@ -185,6 +185,10 @@ class NonlinearModel {
   std::shared_ptr<const LegConstants> constants_;
 };
 
+/// Rates [rad/s] at which the legs' frames turn about n against their cases, which do not spin
+/// (FlexibleAxes::transverse); zero with gimbal axes.
+Vector6 frame_spins(const NonlinearModel& model, const Motion& motion);
+
 struct MovingBase {
   static constexpr double fastest = 20.0;  ///< times the highest rigid frequency on a still base
 

@@ -120,8 +120,9 @@ struct AmplitudeOptions {
   /// Modes with less of their kinetic energy in the platform are left out: its amplitude says little
   /// of them.
   double least_platform{0.05};
-  /// MAC with the mode before < least_mac: the mode is lost, and no number is given.
-  double least_mac{0.3};
+  /// MAC with the mode a step before < least_mac: shorter steps are tried, then the mode is lost, and
+  /// no number is given.
+  double least_mac{0.8};
 };
 
 struct ModeAtAmplitude {
