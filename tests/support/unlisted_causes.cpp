@@ -373,7 +373,8 @@ std::vector<PoseModes> modes_of(const UnlistedCase& test, const model::Machine& 
     const auto* pose = model::find_pose(truth, name);
     poses.push_back(test.modes ? test.modes(truth, *pose)
                                : modes_at(truth, *pose, dynamics::ModelKind::guide));
-    if (!(poses.back().omega.minCoeff() > 0.0)) throw std::runtime_error("the legs have buckled");
+    if (poses.back().omega.size() == 0 || !(poses.back().omega.minCoeff() > 0.0))
+      throw std::runtime_error("no mode at this amplitude, or the legs have buckled");
   }
   return poses;
 }
