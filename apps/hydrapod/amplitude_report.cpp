@@ -24,11 +24,10 @@ double amplitude_of(const std::string& text, const std::string& argument) {
   const auto read = base::read_quantity(text, "m");
   if (!read.ok()) base::refuse(argument, fmt::format("'{}': {}", text, read.problem));
   if (!(read.value > 0.0) || !std::isfinite(read.value))
-    base::refuse(argument,
-                 fmt::format("{:g} m, expected an amplitude above 0, for instance 1 mm", read.value));
+    base::refuse(argument, fmt::format("{:g} m, expected an amplitude above 0, for instance 1 mm",
+                                       read.value));
   return read.value;
 }
-
 
 }  // namespace
 
@@ -37,7 +36,8 @@ std::vector<double> amplitudes_of(const std::string& text) {
   const auto parts = base::split(text, ":");
   if (parts.size() == 1) return {amplitude_of(std::string(parts[0]), argument)};
   if (parts.size() != 3)
-    base::refuse(argument, "expected one amplitude, \"1 mm\", or FROM:TO:COUNT, \"0.01 mm:5 mm:9\"");
+    base::refuse(argument,
+                 "expected one amplitude, \"1 mm\", or FROM:TO:COUNT, \"0.01 mm:5 mm:9\"");
   const double from = amplitude_of(std::string(parts[0]), argument);
   const double to = amplitude_of(std::string(parts[1]), argument);
   const auto count = base::read_quantity(parts[2], "1");
@@ -46,15 +46,15 @@ std::vector<double> amplitudes_of(const std::string& text) {
     base::refuse(argument, fmt::format("the count is '{}', expected a whole number from 2 to {}",
                                        parts[2], most_amplitudes));
   if (!(from < to))
-    base::refuse(argument, fmt::format("from {:g} m to {:g} m, expected the smaller one first", from,
-                                       to));
+    base::refuse(argument,
+                 fmt::format("from {:g} m to {:g} m, expected the smaller one first", from, to));
   return response::log_space(from, to, static_cast<int>(count.value));
 }
 
 std::string amplitudes_text(const tasks::Machine& machine, const report::ModesAtAmplitudes& modes,
                             const TableStyle& style) {
-  Table table({"mode", "<", "amplitude mm", "Hz", "change", "damping", "MAC", "sleeve mm", "piston mm",
-               "rods on guide"});
+  Table table({"mode", "<", "amplitude mm", "Hz", "change", "damping", "MAC", "sleeve mm",
+               "piston mm", "rods on guide"});
   bool lost = false;
   for (const auto& curve : modes.curves)
     for (const auto& point : curve.points) {
@@ -68,21 +68,23 @@ std::string amplitudes_text(const tasks::Machine& machine, const report::ModesAt
         table.add_row({mode, direction, amplitude, "–", "–", "–", "–", "–", "–", "–"});
         continue;
       }
-      table.add_row({mode, direction, amplitude, hertz(point.omega),
-                     fmt::format("{:+.2f} %", 100.0 * (point.omega / curve.omega - 1.0)),
-                     fmt::format("{:.2f} %", 100.0 * point.damping_ratio),
-                     fmt::format("{:.3f}", point.mac),
-                     fmt::format("{:.3g}", millimetres * point.sleeve),
-                     fmt::format("{:.3g}", millimetres * point.piston),
-                     std::to_string(point.legs_on_guide)});
+      table.add_row(
+          {mode, direction, amplitude, hertz(point.omega),
+           fmt::format("{:+.2f} %", 100.0 * (point.omega / curve.omega - 1.0)),
+           fmt::format("{:.2f} %", 100.0 * point.damping_ratio), fmt::format("{:.3f}", point.mac),
+           fmt::format("{:.3g}", millimetres * point.sleeve),
+           fmt::format("{:.3g}", millimetres * point.piston), std::to_string(point.legs_on_guide)});
     }
   std::string text = heading(machine, style) + "\n" + table.text(style);
   text +=
-      "\nHarmonic balance, one mode at a time. The amplitude is that of the platform joint that moves "
-      "most.\nChange: against the undamped mode of small motions. Sleeve, piston: largest amplitudes "
+      "\nHarmonic balance, one mode at a time. The amplitude is that of the platform joint that "
+      "moves "
+      "most.\nChange: against motions of a thousandth of the first amplitude. Sleeve, piston: "
+      "largest amplitudes "
       "of the legs.\n";
   if (lost)
-    text += "–: the mode cannot be followed to this amplitude, or the harmonic balance does not end.\n";
+    text +=
+        "–: the mode cannot be followed to this amplitude, or the harmonic balance does not end.\n";
   if (std::ranges::none_of(machine.file.machine.legs, [](const model::Leg& leg) {
         return leg.guide_sleeve.gap || leg.guide_sleeve.elastomer ||
                (leg.piston_ring && leg.piston_ring->elastomer) || leg.hydraulics.friction.coulomb;

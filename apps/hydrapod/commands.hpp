@@ -42,7 +42,6 @@ inline constexpr std::array all_commands{
     &add_demo,        &add_init,      &add_check,   &add_modes,      &add_bode,   &add_simulate,
     &add_sensitivity, &add_calibrate, &add_rig,     &add_serve,      &add_record, &add_frf,
     &add_identify,    &add_diagnose,  &add_compare, &add_montecarlo, &add_sweep,  &add_map,
-    &add_design,      &add_evaluate,  &add_report,  &add_studio,     &add_export,
-    &add_attach};
+    &add_design,      &add_evaluate,  &add_report,  &add_studio,     &add_export, &add_attach};
 
 }  // namespace hydrapod::cli

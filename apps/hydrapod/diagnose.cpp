@@ -55,7 +55,7 @@ std::string modes_text(const diagnosis::Diagnosis& d, const TableStyle& style) {
          hertz(m.omega_stated), hertz(m.omega_best),
          m.shape_mac > 0.0 ? fmt::format("{:.2f}", m.shape_mac) : "",
          report::energy_text(m.oil, m.guide_sleeves, m.piston_rings, m.base, m.payload,
-                               m.bending)});
+                             m.bending)});
   }
   return heading("Measured modes", style) + table.text(style);
 }

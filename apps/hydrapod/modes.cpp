@@ -184,7 +184,8 @@ void add_system_options(Command command, SystemArguments& arguments) {
         shown_as("KEY=from:to:count")},
        {"--pade", arguments.pade, "Order of the approximation of the delay, 0 (no delay) to 8",
         range(0, 8)},
-       {"--plot", arguments.plot, "Picture of the root locus, or of --amplitude, .svg, .png or .pdf (needs gnuplot)",
+       {"--plot", arguments.plot,
+        "Picture of the root locus, or of --amplitude, .svg, .png or .pdf (needs gnuplot)",
         writes}});
 }
 
@@ -308,8 +309,10 @@ void run_at_poses(const Arguments& arguments, const tasks::Machine& machine,
 void run_at_amplitudes(const Arguments& arguments, std::size_t format) {
   const auto& system = arguments.system;
   if (system.system || system.open_loop || !system.root_locus.empty())
-    base::refuse("--amplitude", "modes at amplitudes are those of the mechanics; leave --system out");
-  if (arguments.matrices) base::refuse("--matrices", "are those of small motions; leave --amplitude out");
+    base::refuse("--amplitude",
+                 "modes at amplitudes are those of the mechanics; leave --system out");
+  if (arguments.matrices)
+    base::refuse("--matrices", "are those of small motions; leave --amplitude out");
   const auto amplitudes = amplitudes_of(arguments.amplitude);
   if (!system.plot.empty()) {
     report::require_picture_ending(system.plot);
@@ -320,11 +323,10 @@ void run_at_amplitudes(const Arguments& arguments, std::size_t format) {
   const auto modes = tasks::modes_at_amplitudes(machine, amplitudes);
   if (!system.plot.empty()) plot_amplitudes(machine, modes, system.plot);
   write_output(arguments.output,
-               format == 0 ? amplitudes_text(machine, modes, table_style(arguments.output))
-               : format == 1
-                   ? json_text(head_of_model("modes_at_amplitudes", machine),
-                               report::modes_at_amplitudes_json(modes))
-                   : report::modes_at_amplitudes_csv(modes));
+               format == 0   ? amplitudes_text(machine, modes, table_style(arguments.output))
+               : format == 1 ? json_text(head_of_model("modes_at_amplitudes", machine),
+                                         report::modes_at_amplitudes_json(modes))
+                             : report::modes_at_amplitudes_csv(modes));
 }
 
 void run(const Arguments& given) {

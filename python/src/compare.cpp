@@ -187,19 +187,19 @@ void add_compare(py::module_& module) {
       });
   module.def("modes_at_poses", &modes_at_poses, py::arg("machine"), py::arg("poses"));
   py::class_<ModesAtAmplitudes, Result, std::shared_ptr<ModesAtAmplitudes>>(module,
-                                                                           "ModesAtAmplitudes")
+                                                                            "ModesAtAmplitudes")
       .def_property_readonly("amplitudes",
                              [](const ModesAtAmplitudes& m) {
-                               return array_of(m.found.amplitudes,
-                                               {static_cast<py::ssize_t>(m.found.amplitudes.size())});
+                               return array_of(
+                                   m.found.amplitudes,
+                                   {static_cast<py::ssize_t>(m.found.amplitudes.size())});
                              })
       .def_property_readonly("numbers",
                              [](const ModesAtAmplitudes& m) {
                                std::vector<std::int64_t> numbers;
                                for (const auto& curve : m.found.curves)
                                  numbers.push_back(curve.mode);
-                               return array_of(numbers,
-                                               {static_cast<py::ssize_t>(numbers.size())});
+                               return array_of(numbers, {static_cast<py::ssize_t>(numbers.size())});
                              })
       .def_property_readonly("directions",
                              [](const ModesAtAmplitudes& m) {
@@ -208,15 +208,16 @@ void add_compare(py::module_& module) {
                                  names.emplace_back(spatial::direction_name(curve.direction));
                                return names;
                              })
-      .def_property_readonly("frequency_hz",
-                             [](const ModesAtAmplitudes& m) {
-                               return m.table(
-                                   [](const auto& point) { return point.omega / base::two_pi; });
-                             })
-      .def_property_readonly("damping_ratio",
-                             [](const ModesAtAmplitudes& m) {
-                               return m.table([](const auto& point) { return point.damping_ratio; });
-                             })
+      .def_property_readonly(
+          "frequency_hz",
+          [](const ModesAtAmplitudes& m) {
+            return m.table([](const auto& point) { return point.omega / base::two_pi; });
+          })
+      .def_property_readonly(
+          "damping_ratio",
+          [](const ModesAtAmplitudes& m) {
+            return m.table([](const auto& point) { return point.damping_ratio; });
+          })
       .def_property_readonly("sleeve_amplitude", [](const ModesAtAmplitudes& m) {
         return m.table([](const auto& point) { return point.sleeve; });
       });

@@ -120,7 +120,8 @@ FittedTarget met(const Problem& problem, const State& state, std::size_t i) {
   const auto& mode = point.seen.modes[static_cast<std::size_t>(k)];
   FittedTarget fit{.mode = problem.observes_plant() ? nearest_mode(point.seen, mode) : k,
                    .omega = mode.omega()};
-  const auto* mechanics = problem.observes_plant() ? nullptr : &state.points[static_cast<std::size_t>(p)];
+  const auto* mechanics =
+      problem.observes_plant() ? nullptr : &state.points[static_cast<std::size_t>(p)];
   const bool damped = mechanics != nullptr && !mechanics->damped_omega.empty();
   if (damped) {
     fit.omega = mechanics->damped_omega[static_cast<std::size_t>(k)];

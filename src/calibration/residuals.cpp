@@ -36,7 +36,8 @@ double signed_omega(double omega2) {
   return omega2 < 0.0 ? -std::sqrt(-omega2) : std::sqrt(omega2);
 }
 
-/// What is compared with a target: ω of the undamped mode, or with elastomers that of the damped one.
+/// What is compared with a target: ω of the undamped mode, or with elastomers that of the damped
+/// one.
 double omega_of(const ModePoint& point, int mode) {
   if (!point.damped_omega.empty()) return point.damped_omega[static_cast<std::size_t>(mode)];
   return signed_omega(point.modes.omega2[mode]);
@@ -82,8 +83,8 @@ class DampingResidual : public ResidualKind {
         (phi.dot(C_phi) + modal::relaxed_damping(arms, phi, omega)) / (2.0 * omega);
     const double ratio = modal::modal_ratio(state.machine).value;
     const double now = point.damped_ratio.empty()
-                             ? viscous + ratio
-                             : point.damped_ratio[static_cast<std::size_t>(mode)];
+                           ? viscous + ratio
+                           : point.damped_ratio[static_cast<std::size_t>(mode)];
     r[0] = (now - *target.damping) / target.damping_deviation;
     if (J == nullptr) return;
     dynamics::ModelVector force = C_phi;

@@ -53,8 +53,8 @@ void add_damped(const Machine& machine, ModePoint& point) {
     double most = -1.0;
     std::size_t best = 0;
     for (std::size_t j = 0; j < damped.size(); ++j) {
-      const double alike = std::hypot(momenta.col(k).dot(damped[j].real),
-                                      momenta.col(k).dot(damped[j].imaginary));
+      const double alike =
+          std::hypot(momenta.col(k).dot(damped[j].real), momenta.col(k).dot(damped[j].imaginary));
       if (alike <= most) continue;
       most = alike;
       best = j;

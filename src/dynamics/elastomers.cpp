@@ -116,15 +116,16 @@ void fill_seal_arms(const model::Machine& machine, LinearModel& model) {
     const auto& leg = machine.legs[i];
     auto& element = model.legs[i];
     if (const auto& sleeve = leg.guide_sleeve; sleeve.elastomer) {
-      const double closed = add(i, sleeve.stiffness, *sleeve.elastomer, Relaxing::sleeve, element.d_x);
+      const double closed =
+          add(i, sleeve.stiffness, *sleeve.elastomer, Relaxing::sleeve, element.d_x);
       element.K += closed * element.d_x.transpose() * element.d_x;
       element.k_s += closed;
     }
     if (model.kind != ModelKind::full || !leg.piston_ring->elastomer) continue;
     const Rows per_x = ring_rates(leg, model.X_BP * leg.platform_joint, machine.flexible_axes,
                                   model.statics.legs[i]);
-    const double closed = add(i, leg.piston_ring->stiffness, *leg.piston_ring->elastomer,
-                              Relaxing::ring, per_x);
+    const double closed =
+        add(i, leg.piston_ring->stiffness, *leg.piston_ring->elastomer, Relaxing::ring, per_x);
     element.K += closed * per_x.transpose() * per_x;
     element.k_g += closed;
   }

@@ -39,7 +39,8 @@ struct PeriodSums {
   }
 
  private:
-  /// Ends of pieces of [0, π] between which the offset passes none of both ends of the rounded corner.
+  /// Ends of pieces of [0, π] between which the offset passes none of both ends of the rounded
+  /// corner.
   static std::vector<double> smooth_pieces(const model::GuideSleeve& sleeve, const Vector2& mean,
                                            const Vector2& amplitude) {
     std::vector<double> ends{0.0, pi};

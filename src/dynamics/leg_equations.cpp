@@ -280,8 +280,8 @@ Lanes of_guides(const LegsInMotion& at, const LegConstants& legs, double GuideCo
   return result;
 }
 
-/// What the guide sleeve brings against d_s, of which `damper` (dampers, and arms of elastomers) turns
-/// with the case.
+/// What the guide sleeve brings against d_s, of which `damper` (dampers, and arms of elastomers)
+/// turns with the case.
 struct SleeveForce {
   Vector2L force, damper;
   Vector2L damped;   ///< the offset that the damper sees

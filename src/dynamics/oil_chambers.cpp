@@ -49,16 +49,13 @@ void fill_chambers(const model::Machine& machine, LinearModel& model) {
     element.k_h = spring.closed();
     element.C += axis.friction.viscous * along;
     for (std::size_t j = 0; j < 2; ++j)
-      model.arms.push_back({.leg = i,
-                            .stiffness = spring.stiffness[j],
-                            .rate = spring.rate[j],
-                            .s_y = element.s_x});
+      model.arms.push_back(
+          {.leg = i, .stiffness = spring.stiffness[j], .rate = spring.rate[j], .s_y = element.s_x});
   }
 }
 
 void point_arms(LinearModel& model) {
-  for (auto& arm : model.arms)
-    arm.s_y = per_coordinate(model, arm.leg, Vector7(arm.s_y));
+  for (auto& arm : model.arms) arm.s_y = per_coordinate(model, arm.leg, Vector7(arm.s_y));
 }
 
 void damp_mount(const model::Machine& machine, LinearModel& model) {

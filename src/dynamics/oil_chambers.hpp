@@ -13,7 +13,8 @@ namespace hydrapod::dynamics {
 /// not hold a leg, or its piston is outside its stroke.
 void fill_chambers(const model::Machine& machine, LinearModel& model);
 
-/// s_y of the arms, which until then is per coordinate of their leg, with J and the base's coordinates in place.
+/// s_y of the arms, which until then is per coordinate of their leg, with J and the base's
+/// coordinates in place.
 void point_arms(LinearModel& model);
 
 /// Dampers of the mount beside its springs, as those of simulations: 2 ζ √(k M_kk) + β k.

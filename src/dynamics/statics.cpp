@@ -150,8 +150,7 @@ StaticEquilibrium static_equilibrium(const model::Machine& machine, const spatia
   if (search.start) at.legs = search.start->legs;
   const auto& compression = search.options.rod_compression;
   for (int i = 0; i < model::leg_count; ++i)
-    at.legs[i].rod_compression =
-        compression ? std::optional((*compression)[i]) : std::nullopt;
+    at.legs[i].rod_compression = compression ? std::optional((*compression)[i]) : std::nullopt;
   const Problem problem(machine, X_BP, kind);
   double before = std::numeric_limits<double>::infinity();
   for (at.iterations = 0;; ++at.iterations, before = at.residual) {

@@ -10,8 +10,8 @@ namespace {
 constexpr double pi = std::numbers::pi;
 constexpr int points = 1024;  // of half a period: the law turns within a few where strokes are long
 
-/// Half a period of x = A cos ωt from x = A on, with v < 0: the sums of F cos θ and F sin θ, and the
-/// bend of the bristles at its end.
+/// Half a period of x = A cos ωt from x = A on, with v < 0: the sums of F cos θ and F sin θ, and
+/// the bend of the bristles at its end.
 struct Stroke {
   double cosine{}, sine{}, z{};
 

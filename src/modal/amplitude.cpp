@@ -1,5 +1,6 @@
 #include "hydrapod/modal/damped_modes.hpp"
 
+#include <Eigen/LU>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -21,10 +22,9 @@ using Rows2 = Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, dynamics::max_dof>;
 
 /// Where a leg is not linear, per coordinate y.
 struct LegRows {
-  Rows2 chord{};        ///< offset of the rod's chord at the guide sleeve
-  Rows2 seal{};         ///< of the rod at the seal; the chord's where nothing bends
-  Rows2 ring{};         ///< offset of the piston
-  ModelVector piston{}; ///< along the case
+  Rows2 chord{};         ///< offset of the rod's chord at the guide sleeve
+  Rows2 ring{};          ///< offset of the piston
+  ModelVector piston{};  ///< along the case
 };
 
 Rows2 rows_of(const LinearModel& model, int leg,
@@ -40,7 +40,6 @@ LegRows leg_rows(const LinearModel& model, int i) {
   ring.setZero();
   ring(0, 5) = ring(1, 6) = 1.0;
   return {.chord = rows_of(model, i, leg.d_x + leg.bending * leg.F_x),
-          .seal = rows_of(model, i, leg.d_x),
           .ring = rows_of(model, i, ring),
           .piston = dynamics::per_coordinate(model, i, leg.s_x)};
 }
@@ -50,12 +49,38 @@ Eigen::Matrix2d in_series(const Eigen::Matrix2d& seal, double bending) {
   return (Eigen::Matrix2d::Identity() + bending * seal).inverse() * seal;
 }
 
+model::Machine pressed(const model::Machine& machine, const spatial::Pose& X_BP,
+                       dynamics::ModelKind kind) {
+  if (kind == dynamics::ModelKind::rigid || !model::has_pressed_seals(machine)) return machine;
+  return dynamics::with_pressed_seals(machine, X_BP);
+}
+
+/// The guide ring where the rod's chord swings by `chord` and what bends is in series: the seal's
+/// amplitude, taken along the chord's, is a share of it that falls as the ring grows stiffer.
+dynamics::GuideEquivalent guide_behind(const model::GuideSleeve& sleeve, const Vector2& rest,
+                                       const Vector2& chord, double k_s, double bending,
+                                       Vector2& amplitude) {
+  amplitude = chord;
+  if (bending == 0.0) return dynamics::guide_equivalent(sleeve, rest, chord);
+  const double whole = chord.norm();
+  double low = 0.0, high = 1.0;
+  constexpr int halvings = 40;
+  for (int n = 0; n < halvings && whole > 0.0; ++n) {
+    const double share = 0.5 * (low + high);
+    amplitude = share * chord;
+    const auto guide = dynamics::guide_equivalent(sleeve, rest, amplitude);
+    const Vector2 force = k_s * amplitude + guide.stiffness * amplitude;
+    (amplitude.norm() + bending * force.norm() < whole ? low : high) = share;
+  }
+  return dynamics::guide_equivalent(sleeve, rest, amplitude);
+}
+
 /// The linear model with the springs and dampers that stand for its legs at their amplitudes.
 class Swinging {
  public:
   Swinging(const model::Machine& machine, const spatial::Pose& X_BP, dynamics::ModelKind kind)
-      : machine_(machine),
-        linear_(dynamics::linear_model(machine, X_BP, kind)),
+      : machine_(pressed(machine, X_BP, kind)),
+        linear_(dynamics::linear_model(machine_, X_BP, kind)),
         modes_(normal_modes(linear_)) {
     for (int i = 0; i < model::leg_count; ++i) {
       rows_[static_cast<std::size_t>(i)] = leg_rows(linear_, i);
@@ -112,10 +137,11 @@ class Swinging {
     const auto k = static_cast<std::size_t>(i);
     const auto& leg = linear_.legs[k];
     const auto& sleeve = machine_.legs[k].guide_sleeve;
-    const Vector2 amplitude = rows_[k].seal * y;
+    Vector2 amplitude;
+    const auto guide = guide_behind(sleeve, leg.sleeve_offset, rows_[k].chord * y, leg.k_s,
+                                    leg.bending, amplitude);
     point.sleeve = std::max(point.sleeve, amplitude.norm());
     if (sleeve.elastomer) left = dynamics::softened(*sleeve.elastomer, amplitude.norm());
-    const auto guide = dynamics::guide_equivalent(sleeve, leg.sleeve_offset, amplitude);
     if (guide.touches) ++point.legs_on_guide;
     if (!sleeve.gap && left == 1.0) return;
     const Eigen::Matrix2d one = Eigen::Matrix2d::Identity();
@@ -163,11 +189,10 @@ class Swinging {
 struct Vibration {
   ModelVector shape{};  ///< φᵀ M φ = 1
   double omega2{};
-  double mac{};  ///< of the motion with it, in the metric of M
 };
 
-/// The mode most like the motion `y`, with those that hardly differ in frequency: any combination of
-/// these vibrates nearly as one, and which of them is a mode is decided by next to nothing.
+/// The mode most like the motion `y`, with those that hardly differ in frequency: any combination
+/// of these vibrates nearly as one, and which of them is a mode is decided by next to nothing.
 Vibration vibration_in(const NormalModes& modes, const ModelMatrix& M, const ModelMatrix& K,
                        const ModelVector& y) {
   constexpr double together = 1e-3;  // of ω²
@@ -180,8 +205,7 @@ Vibration vibration_in(const NormalModes& modes, const ModelMatrix& M, const Mod
     if (std::abs(modes.omega2[k] - modes.omega2[best]) <= together * std::abs(modes.omega2[best]))
       shape += parts[k] * modes.shapes.col(k);
   const double size = shape.dot(M * shape);
-  Vibration result{.mac = size / y.dot(momentum)};
-  result.shape = shape / std::sqrt(size);
+  Vibration result{.shape = shape / std::sqrt(size)};
   result.omega2 = result.shape.dot(K * result.shape);
   return result;
 }
@@ -196,14 +220,18 @@ class Follower {
         y_(first_),
         omega_(swinging.modes().omega(mode)) {}
 
+  /// Begins at a small amplitude. 0 where there is no balance, else ω there.
+  double begin(double amplitude) {
+    ModeAtAmplitude point;
+    return step_to(amplitude, point) ? omega_ : 0.0;
+  }
+
   /// To the amplitude of `point`. False where the mode is lost or the iteration does not end. The
   /// steps are as long as the shape stays like that of the step before.
   bool to(ModeAtAmplitude& point) {
     const double wanted = point.amplitude;
     constexpr double shortest = 1.003;  // ratio of two amplitudes
-    constexpr double small = 1e-3;      // of the first amplitude: where the way begins
     double ratio = options_.largest_ratio;
-    if (amplitude_ == 0.0 && !step_to(small * wanted, point)) return false;
     while (amplitude_ < wanted) {
       if (step_to(std::min(amplitude_ * ratio, wanted), point)) {
         ratio = std::min(ratio * ratio, options_.largest_ratio);
@@ -304,17 +332,18 @@ std::vector<AmplitudeCurve> modes_at_amplitudes(const model::Machine& machine,
   const auto& linear = swinging.linear();
   const auto& modes = swinging.modes();
   const auto shares = energy_shares(linear, modes.shapes);
+  constexpr double small = 1e-3;  // of the first amplitude: where the way begins
   std::vector<AmplitudeCurve> curves;
   for (int k = 0; k < modes.size(); ++k) {
     const auto& energy = shares[static_cast<std::size_t>(k)];
     if (energy.platform.sum() < options.least_platform || !(modes.omega2[k] > 0.0)) continue;
-    AmplitudeCurve curve{.mode = k, .omega = modes.omega(k)};
-    energy.platform.maxCoeff(&curve.direction);
     Follower follower(swinging, options, k);
+    AmplitudeCurve curve{.mode = k, .omega = follower.begin(small * amplitudes.front())};
+    energy.platform.maxCoeff(&curve.direction);
     for (const double amplitude : amplitudes) {
-      ModeAtAmplitude point{.mode = k, .amplitude = amplitude};
-      const bool found = follower.to(point);
-      if (!found) point = {.mode = k, .amplitude = amplitude};
+      ModeAtAmplitude point{.amplitude = amplitude};
+      const bool found = curve.omega > 0.0 && follower.to(point);
+      if (!found) point = {.amplitude = amplitude};
       curve.points.push_back(point);
       if (!found) break;
     }

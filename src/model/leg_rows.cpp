@@ -34,8 +34,7 @@ void drop_stiffness(Machine& machine, int leg) {
   machine.legs[static_cast<std::size_t>(leg)].oil_spring.stiffness.reset();
 }
 
-constexpr Bound above_one{
-    .lowest = 1.0, .more_than_lowest = true, .expected = "more than 1"};
+constexpr Bound above_one{.lowest = 1.0, .more_than_lowest = true, .expected = "more than 1"};
 
 /// The keys of a seal's elastomer; `seal`: the way to it.
 template <int which, auto... seal>
@@ -56,9 +55,9 @@ constexpr ParameterRow of_elastomer(std::string_view path) {
         "η at `frequency`: imaginary over real part of the stiffness, of O-rings 0.1 to 0.3",
         shown("0.2"));
   if constexpr (which == 3)
-    return number<seal..., &Elastomer::frequency>(
-        path, "Hz", required, usual(0.01, 1e3, positive),
-        "at which `dynamic_ratio` and `loss_factor` hold", shown("10 Hz"));
+    return number<seal..., &Elastomer::frequency>(path, "Hz", required, usual(0.01, 1e3, positive),
+                                                  "at which `dynamic_ratio` and `loss_factor` hold",
+                                                  shown("10 Hz"));
   if constexpr (which == 4)
     return number<seal..., &Elastomer::softening>(
         path, "1", standard, below_one,
@@ -182,12 +181,18 @@ constexpr ParameterRow leg_rows[]{
         "legs.guide_sleeve.guide_stiffness", "N/m", standard, spring_rate,
         "k_c, lateral, of the guide ring; used with `gap`")),
     of_elastomer<0, &Leg::guide_sleeve, &GuideSleeve::elastomer>("legs.guide_sleeve.elastomer"),
-    of_elastomer<1, &Leg::guide_sleeve, &GuideSleeve::elastomer>("legs.guide_sleeve.elastomer.dynamic_ratio"),
-    of_elastomer<2, &Leg::guide_sleeve, &GuideSleeve::elastomer>("legs.guide_sleeve.elastomer.loss_factor"),
-    of_elastomer<3, &Leg::guide_sleeve, &GuideSleeve::elastomer>("legs.guide_sleeve.elastomer.frequency"),
-    of_elastomer<4, &Leg::guide_sleeve, &GuideSleeve::elastomer>("legs.guide_sleeve.elastomer.softening"),
-    of_elastomer<5, &Leg::guide_sleeve, &GuideSleeve::elastomer>("legs.guide_sleeve.elastomer.softening_amplitude"),
-    of_elastomer<6, &Leg::guide_sleeve, &GuideSleeve::elastomer>("legs.guide_sleeve.elastomer.pressure_stiffening"),
+    of_elastomer<1, &Leg::guide_sleeve, &GuideSleeve::elastomer>(
+        "legs.guide_sleeve.elastomer.dynamic_ratio"),
+    of_elastomer<2, &Leg::guide_sleeve, &GuideSleeve::elastomer>(
+        "legs.guide_sleeve.elastomer.loss_factor"),
+    of_elastomer<3, &Leg::guide_sleeve, &GuideSleeve::elastomer>(
+        "legs.guide_sleeve.elastomer.frequency"),
+    of_elastomer<4, &Leg::guide_sleeve, &GuideSleeve::elastomer>(
+        "legs.guide_sleeve.elastomer.softening"),
+    of_elastomer<5, &Leg::guide_sleeve, &GuideSleeve::elastomer>(
+        "legs.guide_sleeve.elastomer.softening_amplitude"),
+    of_elastomer<6, &Leg::guide_sleeve, &GuideSleeve::elastomer>(
+        "legs.guide_sleeve.elastomer.pressure_stiffening"),
     table("legs.piston_ring", optional,
           "the O-ring under the piston's ring; without the table it is rigid"),
     alone(number<&Leg::piston_ring, &PistonRing::stiffness>(
@@ -196,12 +201,18 @@ constexpr ParameterRow leg_rows[]{
     alone(number<&Leg::piston_ring, &PistonRing::damping>(
         "legs.piston_ring.damping", "N s/m", standard, not_negative, "c_u, lateral, viscous")),
     of_elastomer<0, &Leg::piston_ring, &PistonRing::elastomer>("legs.piston_ring.elastomer"),
-    of_elastomer<1, &Leg::piston_ring, &PistonRing::elastomer>("legs.piston_ring.elastomer.dynamic_ratio"),
-    of_elastomer<2, &Leg::piston_ring, &PistonRing::elastomer>("legs.piston_ring.elastomer.loss_factor"),
-    of_elastomer<3, &Leg::piston_ring, &PistonRing::elastomer>("legs.piston_ring.elastomer.frequency"),
-    of_elastomer<4, &Leg::piston_ring, &PistonRing::elastomer>("legs.piston_ring.elastomer.softening"),
-    of_elastomer<5, &Leg::piston_ring, &PistonRing::elastomer>("legs.piston_ring.elastomer.softening_amplitude"),
-    of_elastomer<6, &Leg::piston_ring, &PistonRing::elastomer>("legs.piston_ring.elastomer.pressure_stiffening"),
+    of_elastomer<1, &Leg::piston_ring, &PistonRing::elastomer>(
+        "legs.piston_ring.elastomer.dynamic_ratio"),
+    of_elastomer<2, &Leg::piston_ring, &PistonRing::elastomer>(
+        "legs.piston_ring.elastomer.loss_factor"),
+    of_elastomer<3, &Leg::piston_ring, &PistonRing::elastomer>(
+        "legs.piston_ring.elastomer.frequency"),
+    of_elastomer<4, &Leg::piston_ring, &PistonRing::elastomer>(
+        "legs.piston_ring.elastomer.softening"),
+    of_elastomer<5, &Leg::piston_ring, &PistonRing::elastomer>(
+        "legs.piston_ring.elastomer.softening_amplitude"),
+    of_elastomer<6, &Leg::piston_ring, &PistonRing::elastomer>(
+        "legs.piston_ring.elastomer.pressure_stiffening"),
     table("legs.oil_spring", required,
           "the oil along the leg: either `stiffness`, or the table `cylinder`"),
     instead_of(drop_cylinder,

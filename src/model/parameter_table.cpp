@@ -7,9 +7,9 @@ namespace {
 
 std::vector<ParameterRow> all_rows() {
   std::vector<ParameterRow> all;
-  for (const auto part : {rows::bodies(), rows::payload_modes(), rows::legs(),
-                          rows::leg_hydraulics(), rows::single_legs_and_damping(),
-                          rows::supply_and_control(), rows::poses()})
+  for (const auto part :
+       {rows::bodies(), rows::payload_modes(), rows::legs(), rows::leg_hydraulics(),
+        rows::single_legs_and_damping(), rows::supply_and_control(), rows::poses()})
     all.insert(all.end(), part.begin(), part.end());
   return all;
 }

@@ -44,10 +44,7 @@ void describe(Fields& f, ModesAtAmplitudes& modes) {
 Json modes_at_amplitudes_json(const ModesAtAmplitudes& modes) { return written(modes); }
 
 ModesAtAmplitudes modes_at_amplitudes_from_json(const Json& json, const std::string& file) {
-  auto modes = read<ModesAtAmplitudes>(json, file);
-  for (auto& curve : modes.curves)
-    for (auto& point : curve.points) point.mode = curve.mode;
-  return modes;
+  return read<ModesAtAmplitudes>(json, file);
 }
 
 std::string modes_at_amplitudes_csv(const ModesAtAmplitudes& modes) {
@@ -57,11 +54,11 @@ std::string modes_at_amplitudes_csv(const ModesAtAmplitudes& modes) {
   for (const auto& curve : modes.curves)
     for (const auto& point : curve.points)
       if (point.converged)
-        text += fmt::format("{},{},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{}\n",
-                            curve.mode + 1, spatial::direction_name(curve.direction),
-                            point.amplitude, point.omega / base::two_pi, point.omega,
-                            point.damping_ratio, point.mac, point.sleeve, point.piston,
-                            point.legs_on_guide);
+        text +=
+            fmt::format("{},{},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{}\n",
+                        curve.mode + 1, spatial::direction_name(curve.direction), point.amplitude,
+                        point.omega / base::two_pi, point.omega, point.damping_ratio, point.mac,
+                        point.sleeve, point.piston, point.legs_on_guide);
   return text;
 }
 
@@ -83,9 +80,9 @@ void plot_modes_at_amplitudes(const ModesAtAmplitudes& modes, const std::string&
     blocks += block_of(name, rows);
     const std::string style = fmt::format("with linespoints lw 1.6 pt 7 ps 0.4 lc rgb '{}' dt {}",
                                           colours[k % colours.size()], k / colours.size() + 1);
-    frequency += fmt::format(
-        "{}${} using 1:2 {} title {}", k == 0 ? "plot " : ", ", name, style,
-        quoted(fmt::format("mode {}, {}", curve.mode + 1, spatial::direction_name(curve.direction))));
+    frequency += fmt::format("{}${} using 1:2 {} title {}", k == 0 ? "plot " : ", ", name, style,
+                             quoted(fmt::format("mode {}, {}", curve.mode + 1,
+                                                spatial::direction_name(curve.direction))));
     damping += fmt::format("{}${} using 1:3 {} notitle", k == 0 ? "plot " : ", ", name, style);
   }
   const auto cell = [](double bottom, double top) {
@@ -95,9 +92,10 @@ void plot_modes_at_amplitudes(const ModesAtAmplitudes& modes, const std::string&
        std::string(thin_grid) + thin_axes + titles(title, subtitle, height) +
            key_below_titles(height) + blocks +
            "set multiplot\nset logscale x\nset format x '%g'\nset ylabel 'frequency Hz'\n" +
-           cell(0.50, 0.86) + "set xlabel ''\n" + frequency + "\nunset label 101\nunset label 102\nset ylabel 'damping ratio %'\n" +
-           "set xlabel 'amplitude of the platform joint that moves most, mm'\n" +
-           cell(0.09, 0.44) + damping + "\nunset multiplot\n");
+           cell(0.50, 0.86) + "set xlabel ''\n" + frequency +
+           "\nunset label 101\nunset label 102\nset ylabel 'damping ratio %'\n" +
+           "set xlabel 'amplitude of the platform joint that moves most, mm'\n" + cell(0.09, 0.44) +
+           damping + "\nunset multiplot\n");
 }
 
 }  // namespace hydrapod::report

@@ -62,10 +62,10 @@ Json place(const std::string& name, const spatial::Pose& X) {
 Json shown_pose(const model::Machine& machine, const model::NamedPose& pose) {
   const auto* known = model::find_pose(machine, pose.name);
   const auto& neutral = machine.neutral();
-  Json json = place(pose.name, known != nullptr
-                                   ? pose.X_BP
-                                   : spatial::Pose{pose.X_BP.R_BP * neutral.R_BP.transpose(),
-                                                   pose.X_BP.p_BP - neutral.p_BP});
+  Json json =
+      place(pose.name, known != nullptr ? pose.X_BP
+                                        : spatial::Pose{pose.X_BP.R_BP * neutral.R_BP.transpose(),
+                                                        pose.X_BP.p_BP - neutral.p_BP});
   json["of"] = known != nullptr ? Json(known - machine.poses.data()) : Json();
   return json;
 }
@@ -97,14 +97,13 @@ Json units_of(const model::MachineFile& file) {
 /// Units that people write, by their factor to SI.
 Json scales() {
   constexpr std::array written{
-      "mm",       "cm",       "um",       "m",        "g",      "kg",     "t",      "N/m",
-      "N/mm",     "kN/m",     "kN/mm",    "MN/m",     "GN/m",   "N s/m",  "N s/mm", "kN s/m",
-      "kN s/mm",  "kg m^2",   "t m^2",    "kg cm^2",  "Pa",     "kPa",    "bar",    "MPa",
-      "GPa",      "m^3",      "l",        "cm^3",     "mm^3",   "m^2",    "cm^2",   "mm^2",
-      "rad",      "deg",      "mrad",     "1",        "%",      "m/s^2",  "m/s",    "mm/s",
-      "N m/rad",  "kN m/rad", "MN m/rad", "N m/deg",  "s",      "ms",     "us",     "Hz",
-      "rad/s",    "1/s",      "m^3/s",    "l/min",    "l/s",    "N",      "kN",     "MN",
-      "N m",      "kN m",     "N m s/rad"};
+      "mm",    "cm",      "um",   "m",     "g",        "kg",       "t",        "N/m",     "N/mm",
+      "kN/m",  "kN/mm",   "MN/m", "GN/m",  "N s/m",    "N s/mm",   "kN s/m",   "kN s/mm", "kg m^2",
+      "t m^2", "kg cm^2", "Pa",   "kPa",   "bar",      "MPa",      "GPa",      "m^3",     "l",
+      "cm^3",  "mm^3",    "m^2",  "cm^2",  "mm^2",     "rad",      "deg",      "mrad",    "1",
+      "%",     "m/s^2",   "m/s",  "mm/s",  "N m/rad",  "kN m/rad", "MN m/rad", "N m/deg", "s",
+      "ms",    "us",      "Hz",   "rad/s", "1/s",      "m^3/s",    "l/min",    "l/s",     "N",
+      "kN",    "MN",      "N m",  "kN m",  "N m s/rad"};
   std::set<std::string> units;
   for (const auto& row : model::parameter_table())
     if (!row.unit.empty()) units.insert(std::string(row.unit));
@@ -124,8 +123,8 @@ Json editable_json(const model::MachineFile& file, const std::vector<model::Name
                    dynamics::ModelKind kind) {
   auto machine = file.machine;
   static const Json all_scales = scales();
-  Json json{{"numbers", Json::object()}, {"words", Json::object()},  {"poses", Json::array()},
-            {"shown", Json::array()},    {"own", own_legs(file)},    {"units", units_of(file)},
+  Json json{{"numbers", Json::object()}, {"words", Json::object()},      {"poses", Json::array()},
+            {"shown", Json::array()},    {"own", own_legs(file)},        {"units", units_of(file)},
             {"scales", all_scales},      {"model", dynamics::name(kind)}};
   for (const auto& row : model::parameter_table()) {
     if (row.path.starts_with(of_poses)) continue;

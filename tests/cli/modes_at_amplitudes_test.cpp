@@ -45,8 +45,8 @@ TEST(ModesAtAmplitudes, WithoutContactAreThoseOfSmallMotions) {
 }
 
 TEST(ModesAtAmplitudes, MeetTheGuideRing) {
-  const auto run = amplitudes({"--amplitude", "0.1 mm:10 mm:5", "--format", "csv", "--set",
-                               "legs.guide_sleeve.gap=5 mm"});
+  const auto run = amplitudes(
+      {"--amplitude", "0.1 mm:10 mm:5", "--format", "csv", "--set", "legs.guide_sleeve.gap=5 mm"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.out, HasSubstr("mode,direction,amplitude_m,frequency_hz"));
   EXPECT_THAT(run.out, HasSubstr(",6\n"));  // all rods lie on their guides

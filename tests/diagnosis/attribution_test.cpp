@@ -114,7 +114,8 @@ TEST(Remedy, OfSleevesEndsWhereRodsAndCasesBend) {
   EXPECT_EQ(file.remedy->status, RemedyStatus::out_of_reach);
   EXPECT_THAT(report::summary(file),
               testing::Contains(testing::HasSubstr("Bending of rods and cases limits")));
-  EXPECT_FALSE(find_remedy(heavy(), neutral, ModelKind::guide, {.drop = 0.02}).limit_without_bending);
+  EXPECT_FALSE(
+      find_remedy(heavy(), neutral, ModelKind::guide, {.drop = 0.02}).limit_without_bending);
 }
 
 TEST(Remedy, StiffnessPutIntoTheMachineGivesThePromisedDrop) {

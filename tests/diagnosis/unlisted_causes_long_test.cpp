@@ -16,8 +16,9 @@ namespace {
 
 TEST(UnlistedCauses, AreNotBlamedOnListedParts) {
   int cases = 0, blamed = 0, same_part = 0;
-  std::cout << "| machine | poses | noise | planted | change of a frequency | verdict | identified |\n"
-               "| --- | --- | --- | --- | ---: | --- | --- |\n";
+  std::cout
+      << "| machine | poses | noise | planted | change of a frequency | verdict | identified |\n"
+         "| --- | --- | --- | --- | ---: | --- | --- |\n";
   for (const auto& test : unlisted_cases()) {
     const auto result = run_unlisted(test);
     ++cases;

@@ -32,8 +32,9 @@ TEST(SealArms, HaveTheStiffnessAndTheLossThatAreAskedFor) {
   constexpr double k = 3.17e6;
   for (const double ratio : {1.03, 1.3, 1.9, 3.1})
     for (const double loss : {0.021, 0.13, 0.29, 0.9}) {
-      const model::Elastomer elastomer{
-          .dynamic_ratio = ratio, .loss_factor = loss, .frequency = 61.0 / (2.0 * std::numbers::pi)};
+      const model::Elastomer elastomer{.dynamic_ratio = ratio,
+                                       .loss_factor = loss,
+                                       .frequency = 61.0 / (2.0 * std::numbers::pi)};
       const auto arms = dynamics::seal_arms(k, elastomer);
       const Complex at = stiffness(k, arms, Complex(0.0, 61.0));
       EXPECT_NEAR(at.real(), ratio * k, 1e-12 * k);
@@ -49,7 +50,8 @@ TEST(SealArms, HaveTheStiffnessAndTheLossThatAreAskedFor) {
 
 /// Of usual O-rings the loss factor stays near that stated over a decade around the frequency.
 TEST(SealArms, SpreadTheirLossOverADecade) {
-  const model::Elastomer elastomer{.dynamic_ratio = 1.6, .loss_factor = 0.2, .frequency = 50.0 / (2.0 * std::numbers::pi)};
+  const model::Elastomer elastomer{
+      .dynamic_ratio = 1.6, .loss_factor = 0.2, .frequency = 50.0 / (2.0 * std::numbers::pi)};
   const auto arms = dynamics::seal_arms(1.0, elastomer);
   for (double omega = 50.0 / std::sqrt(10.0); omega < 50.0 * std::sqrt(10.0); omega *= 1.1) {
     const Complex at = stiffness(1.0, arms, Complex(0.0, omega));
@@ -114,8 +116,8 @@ TEST(Elastomers, MakeResponsesThoseOfComplexStiffnesses) {
                                                 machine.platform.mass_center);
     const auto omega = response::log_space(3.0, 900.0, 23);
     for (const auto method : {response::Method::elimination, response::Method::dense}) {
-      const auto H = response::frequency_response(model, omega, response::Output::displacement,
-                                                  method);
+      const auto H =
+          response::frequency_response(model, omega, response::Output::displacement, method);
       for (std::size_t k = 0; k < omega.size(); ++k) {
         const auto D = dynamic_stiffness(machine, kind, Complex(0.0, omega[k]));
         const Eigen::MatrixXcd wanted =
@@ -193,10 +195,8 @@ TEST(PressedSeals, AreAsStiffAsThePressuresOfTheOilAtRestMakeThem) {
   auto machine = symmetric_machine(9.81);
   constexpr double growth = 3.1e-8;  // [1/Pa]
   for (auto& leg : machine.legs) {
-    leg.guide_sleeve.elastomer = {.dynamic_ratio = 1.4,
-                                  .loss_factor = 0.2,
-                                  .frequency = 9.7,
-                                  .pressure_stiffening = growth};
+    leg.guide_sleeve.elastomer = {
+        .dynamic_ratio = 1.4, .loss_factor = 0.2, .frequency = 9.7, .pressure_stiffening = growth};
     leg.piston_ring->elastomer = leg.guide_sleeve.elastomer;
     leg.hydraulics.equivalent_cylinder = {.area_ratio = 0.47, .area = 1.1e-3};
   }

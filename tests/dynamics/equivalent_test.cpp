@@ -30,8 +30,8 @@ TEST(GuideEquivalent, IsTheDescribingFunctionOfADeadZoneAlongTheMotion) {
     const auto found = dynamics::guide_equivalent(sleeve, Vector2::Zero(), A * along);
     const Vector2 force = found.stiffness * along;
     const double sharp = dead_zone(sleeve.guide_stiffness, *sleeve.gap, A);
-    // The corner is rounded over a tenth of the gap: an excess of the order of its square, twice in a
-    // quarter of a period.
+    // The corner is rounded over a tenth of the gap: an excess of the order of its square, twice in
+    // a quarter of a period.
     EXPECT_NEAR(force.dot(along), sharp, 0.02 * sharp / times);
     EXPECT_NEAR(force.dot(Vector2(0.8, 0.6)), 0.0, 1e-9 * sharp);
     EXPECT_TRUE(found.touches);

@@ -1,6 +1,5 @@
 /// Modes at amplitudes: limits in closed form. Against simulations: tests/simulation.
 
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -79,9 +78,8 @@ TEST(ModesAtAmplitudes, HaveTheBristlesOfTheSealsBesideTheOil) {
   machine.damping.modal_ratio = 0.0;
   constexpr double sigma = 2.9e6;
   for (auto& leg : machine.legs)
-    leg.hydraulics.friction = {.coulomb = 310.0,
-                               .breakaway = 310.0,
-                               .bristles = model::LuGreBristles{.stiffness = sigma}};
+    leg.hydraulics.friction = {
+        .coulomb = 310.0, .breakaway = 310.0, .bristles = model::LuGreBristles{.stiffness = sigma}};
   auto sticking = machine;
   for (auto& leg : sticking.legs) {
     *leg.oil_spring.stiffness += sigma;
@@ -133,7 +131,8 @@ TEST(ModesAtAmplitudes, SoftenWithElastomersThatAmplitudesSoften) {
                                   .frequency = 9.7,
                                   .softening = 0.4,
                                   .softening_amplitude = 5e-5};
-  for (auto& leg : machine.legs) leg.guide_sleeve.stiffness *= 5.3;  // far above the platform's modes
+  for (auto& leg : machine.legs)
+    leg.guide_sleeve.stiffness *= 5.3;  // far above the platform's modes
   auto soft = machine;
   for (auto& leg : soft.legs) {
     leg.guide_sleeve.stiffness *= 0.6;

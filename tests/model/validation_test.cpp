@@ -347,10 +347,10 @@ TEST(Bending, NeedsToKnowHowThickTheRodIs) {
   for (Leg& leg : machine.legs) leg.bending = LegBending::elastic;
   EXPECT_THAT(findings_about(machine), IsEmpty());  // the cylinder says it
   machine.legs[3].oil_spring = {.stiffness = 2e7};
-  EXPECT_THAT(findings_about(machine),
-              testing::Contains(testing::AllOf(testing::HasSubstr("bending: is \"elastic\" for a rod "
-                                                                  "of unknown thickness"),
-                                               testing::HasSubstr("`rod.diameter`"))));
+  EXPECT_THAT(findings_about(machine), testing::Contains(testing::AllOf(
+                                           testing::HasSubstr("bending: is \"elastic\" for a rod "
+                                                              "of unknown thickness"),
+                                           testing::HasSubstr("`rod.diameter`"))));
   machine.legs[3].rod.diameter = 0.051;
   EXPECT_THAT(findings_about(machine), IsEmpty());
 }

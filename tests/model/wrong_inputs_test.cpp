@@ -29,7 +29,8 @@ const std::vector<WrongInput> wrong_files{
      {},
      "m.toml:2:1: error: mas: unknown key; known here: name, description, source, state, "
      "environment, "
-     "base, platform, payload_modes, legs, leg, model, damping, supply, controller, sensors, poses"},
+     "base, platform, payload_modes, legs, leg, model, damping, supply, controller, sensors, "
+     "poses"},
     {"UnknownTable",
      {{"[environment]", "[enviroment]"}},
      {},
@@ -80,7 +81,8 @@ const std::vector<WrongInput> wrong_files{
      {{"gimbal_axis = [0, 1, 0]", "base_joint = [0, 1, 0]"}},
      {},
      "m.toml:13:1: error: legs.base_joint: unknown key; known here: gimbal_axis, "
-     "gimbal_cross_inertia, added_axial_inertia, gimbal_stiffness, bending, case, rod, guide_sleeve, "
+     "gimbal_cross_inertia, added_axial_inertia, gimbal_stiffness, bending, case, rod, "
+     "guide_sleeve, "
      "piston_ring, oil_spring, "
      "stroke, joint_limits, valve, leakage, friction, joint_friction, end_stops, "
      "equivalent_cylinder"},

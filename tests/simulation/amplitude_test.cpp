@@ -66,8 +66,7 @@ TEST(SwingsOnTheGuide, HaveTheFrequencyOfTheHarmonicBalance) {
   }
   const auto& X_BP = machine.neutral();
   const std::vector<double> amplitudes{5e-5, 1e-4, 1.8e-4};
-  const auto curves =
-      modal::modes_at_amplitudes(machine, X_BP, ModelKind::guide, amplitudes);
+  const auto curves = modal::modes_at_amplitudes(machine, X_BP, ModelKind::guide, amplitudes);
   // x and y are alike, but not in how their rods meet the guides; one is followed all the way.
   const auto whole = [&](const modal::AmplitudeCurve& curve) {
     return curve.points.size() == amplitudes.size() && curve.points.back().converged &&
@@ -83,8 +82,7 @@ TEST(SwingsOnTheGuide, HaveTheFrequencyOfTheHarmonicBalance) {
     // The shape, scaled to the amplitude of the joint that moves most, at a turning point.
     double largest = 0.0;
     for (const auto& leg : machine.legs) {
-      const spatial::Vector3 arm =
-          X_BP.R_BP * (leg.platform_joint - machine.platform.mass_center);
+      const spatial::Vector3 arm = X_BP.R_BP * (leg.platform_joint - machine.platform.mass_center);
       const spatial::Vector3 v = point.shape.head<3>(), w = point.shape.segment<3>(3);
       largest = std::max(largest, (v + w.cross(arm)).norm());
     }
@@ -96,8 +94,8 @@ TEST(SwingsOnTheGuide, HaveTheFrequencyOfTheHarmonicBalance) {
     change.head<3>().cwiseAbs().maxCoeff(&state);
     const double measured =
         Swing(plant, x, rest.input).frequency(static_cast<int>(state), rest.x[state], 6, 2e-5);
-    // Where all rods strike their guides hard, and the frequency is 26 % higher, other modes are struck
-    // as well, and one harmonic is not the whole of it.
+    // Where all rods strike their guides hard, and the frequency is 26 % higher, other modes are
+    // struck as well, and one harmonic is not the whole of it.
     const double tolerance = point.amplitude < 1.5e-4 ? 1e-3 : 0.025;
     EXPECT_NEAR(measured, point.omega, tolerance * point.omega) << point.amplitude;
     RecordProperty("at " + std::to_string(point.amplitude),

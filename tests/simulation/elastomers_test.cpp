@@ -1,5 +1,5 @@
-/// Elastomers in the plant: poles of its linearisation, energy, a step against the exact response of
-/// arms.
+/// Elastomers in the plant: poles of its linearisation, energy, a step against the exact response
+/// of arms.
 
 #include <gtest/gtest.h>
 
@@ -51,8 +51,8 @@ TEST(PlantWithElastomers, OscillatesAtThePolesOfTheLinearModel) {
       const auto poles =
           numerics::eigen_pairs(d.cwiseInverse().asDiagonal() * linear.A * d.asDiagonal()).values;
       const auto model = dynamics::linear_model(machine, X_BP, kind);
-      const auto modes = modal::damped_modes(model, modal::normal_modes(model),
-                                             model::modal_ratio(machine).value);
+      const auto modes =
+          modal::damped_modes(model, modal::normal_modes(model), model::modal_ratio(machine).value);
       for (const auto& mode : modes) {
         if (!(mode.pole.imag() > 0.0)) continue;
         double nearest = 1e300;
@@ -74,7 +74,8 @@ TEST(PlantWithElastomers, LosesTheEnergyThatItsArmsDissipate) {
     for (int trial = 0; trial < 5; ++trial) {
       Eigen::VectorXd x = rest.x;
       const Eigen::VectorXd scales = plant.scales();
-      for (Eigen::Index k = 0; k < x.size(); ++k) x[k] += 0.3 * random.uniform(-1.0, 1.0) * scales[k];
+      for (Eigen::Index k = 0; k < x.size(); ++k)
+        x[k] += 0.3 * random.uniform(-1.0, 1.0) * scales[k];
       Eigen::VectorXd rate(x.size());
       ASSERT_TRUE(plant.derivative(0.0, x.data(), rest.input, rate.data()));
       const auto energy = [&](double h) {
@@ -83,8 +84,8 @@ TEST(PlantWithElastomers, LosesTheEnergyThatItsArmsDissipate) {
         return out.energies.total() + out.oil_spring_energy + out.seal_arms_energy;
       };
       const double h = 1e-6;
-      const double change = (8.0 * (energy(h) - energy(-h)) - (energy(2 * h) - energy(-2 * h))) /
-                            (12.0 * h);
+      const double change =
+          (8.0 * (energy(h) - energy(-h)) - (energy(2 * h) - energy(-2 * h))) / (12.0 * h);
       const double lost = plant.outputs(x.data(), rest.input).dissipation;
       EXPECT_GT(lost, 0.0);
       // rounding of the energy over h

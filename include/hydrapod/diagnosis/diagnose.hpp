@@ -113,8 +113,8 @@ struct Cause {
     base_vertical,
     base_rocking,
     oil_lines,
-    leakage,  ///< past the pistons; of machines whose linear models have chambers
-    payload_sways,  ///< a part of the payload that the file has as rigid swings along x and y
+    leakage,         ///< past the pistons; of machines whose linear models have chambers
+    payload_sways,   ///< a part of the payload that the file has as rigid swings along x and y
     payload_heaves,  ///< the same along z
     payload_modes    ///< modes of the payload that the file states: their frequencies
   };
@@ -354,8 +354,8 @@ struct Change {
 struct Remedy {
   RemedyStatus status{};
   RemedyPoint today{}, needed{}, limit{};
-  std::string pose{};                ///< that asks for the most
-  std::string direction{};           ///< and its direction; empty: every one
+  std::string pose{};       ///< that asks for the most
+  std::string direction{};  ///< and its direction; empty: every one
   /// Where rods or cases bend: rigid sleeves and legs that do not bend. Beyond `limit` no sleeve
   /// gets; up to this the rods are what stands in the way.
   std::optional<RemedyPoint> limit_without_bending{};
@@ -414,13 +414,14 @@ Goodness goodness(const Diagnosis& d, const Hypothesis& hypothesis);
 /// Below this probability a hypothesis does not explain the data, and nothing is identified by it.
 inline constexpr double least_probability = 0.01;
 
-/// BIC of a cause that is no candidate: it moves every value of a kind by an amount of its own, normally
-/// distributed about the nominal machine's with a variance that the data determine,
+/// BIC of a cause that is no candidate: it moves every value of a kind by an amount of its own,
+/// normally distributed about the nominal machine's with a variance that the data determine,
 ///
 ///     Σ over kinds  n (1 + ln(χ²/n)) + ln(all values)   where χ² > n, else χ²
 ///
-/// with χ² of the nominal machine (the least over n and 1 + ln of Σ [d²/(1 + τ²) + ln(1 + τ²)], d in
-/// deviations). A candidate that does not beat it by more than `same` explains no more than chance does.
+/// with χ² of the nominal machine (the least over n and 1 + ln of Σ [d²/(1 + τ²) + ln(1 + τ²)], d
+/// in deviations). A candidate that does not beat it by more than `same` explains no more than
+/// chance does.
 double unlisted_bic(const Diagnosis& d);
 
 /// s² as it comes out, below 1 too: where deviations are right about 1, where the model is better

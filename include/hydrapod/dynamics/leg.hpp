@@ -154,8 +154,8 @@ struct GuideEquivalent {
   bool touches{};                 ///< somewhere in the period
 };
 
-/// `rest`: static offset, `amplitude`: a, both along t and a2 [m]. d̄ is where the mean force of seal
-/// and guide ring is that at rest.
+/// `rest`: static offset, `amplitude`: a, both along t and a2 [m]. d̄ is where the mean force of
+/// seal and guide ring is that at rest.
 GuideEquivalent guide_equivalent(const model::GuideSleeve& sleeve, const Vector2& rest,
                                  const Vector2& amplitude);
 

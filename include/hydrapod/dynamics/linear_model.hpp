@@ -1,7 +1,8 @@
 #pragma once
 /// The three linear models of a hexapod at any pose: M ÿ + C ẏ + K y = F.
 ///
-///     y = (x, y, z, rx, ry, rz | φ1, φ2 (, u1, u2) of leg 1 | … | of leg 6 | x, …, rz of the base |
+///     y = (x, y, z, rx, ry, rz | φ1, φ2 (, u1, u2) of leg 1 | … | of leg 6 | x, …, rz of the base
+///     |
 ///          ξ of the payload's modes)
 ///
 /// The platform's six are the motion of its mass centre C [m] and its rotation [rad], both in base
@@ -43,8 +44,7 @@
 
 namespace hydrapod::dynamics {
 
-inline constexpr int max_dof =
-    degrees_of_freedom(ModelKind::full) + 6 + model::most_payload_modes;
+inline constexpr int max_dof = degrees_of_freedom(ModelKind::full) + 6 + model::most_payload_modes;
 /// Square, 6, 18 or 30 rows, up to six of the base and six of the payload, on the stack.
 using ModelMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, max_dof, max_dof>;
 using ModelVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, max_dof, 1>;
@@ -83,7 +83,7 @@ inline double softening_at(const RelaxingArm& arm, double omega) {
 struct LinearModel {
   ModelKind kind{};
   spatial::Pose X_BP{};
-  Vector3 p_BC{};           ///< the platform's mass centre [m]
+  Vector3 p_BC{};  ///< the platform's mass centre [m]
   /// diag(m I, R I_C Rᵀ) less Σ L Lᵀ of the payload's modes: what of the platform does not swing.
   Matrix6 platform_mass{};
   std::array<LegElement, model::leg_count> legs{};
@@ -108,8 +108,9 @@ struct LinearModel {
   ModelMatrix M{}, K{};
   ModelMatrix
       C{};  ///< viscous dampers of the legs and Rayleigh damping; modal ratios are not in it
-  /// With model::OilDamping::chambers two per leg, in the order of the legs; else none. M ÿ + C ẏ +
-  /// K y less the arms' forces is F; the undamped modes are those of closed chambers.
+  /// With model::OilDamping::chambers two per leg, in the order of the legs; then those of seals
+  /// that are elastomers. M ÿ + C ẏ + K y less the arms' forces is F; the undamped modes are those
+  /// of closed chambers and of arms with rigid dampers.
   std::vector<RelaxingArm> arms{};
 
   /// Modes of the payload, the very last of y (src/dynamics/payload.hpp): names, L about C in base

@@ -110,7 +110,7 @@ struct Motion {
   Vector3 p_BC{Vector3::Zero()};
   Vector6 twist{Vector6::Zero()};  ///< velocity of C; ω
   std::array<LegMotion, model::leg_count> legs{};
-  /// ξ of the payload's modes and its rates [m √kg, …/s]; zero beyond their number.
+  /// ξ of the payload's modes and its rates [m, m/s]; zero beyond their number.
   Vector6 payload{Vector6::Zero()}, payload_rate{Vector6::Zero()};
   /// The legs once more, side by side as the equations take them: a LegsInMotion, which only the
   /// sources know.
@@ -178,7 +178,7 @@ class NonlinearModel {
   ModelKind kind_;
   bool spinning_;                                 ///< gimbal axes: axial inertias count
   bool joint_friction_;                           ///< in any leg
-  Vector3 weight_at_rest_{Vector3::Zero()};  ///< gravity in P at the reference pose [m/s²]
+  Vector3 weight_at_rest_{Vector3::Zero()};       ///< gravity in P at the reference pose [m/s²]
   std::array<Vector3, model::leg_count> axes_{};  ///< first axis of each leg's frame, in B
   /// First hinge of the rod in the case, in L; gimbal axes only.
   std::array<Vector3, model::leg_count> piston_axes_{};

@@ -178,16 +178,16 @@ PayloadElement read_dmig_punch(const std::string& path, int grid);
 
 struct PayloadFromElement {
   std::vector<model::PayloadMode> modes{};  ///< lowest first
-  spatial::Matrix6 mass{};     ///< of the whole rigid structure about its interface, axes of P
-  double first_left_out{};     ///< [rad/s]; 0: all modes are kept
-  double rigid_stiffness{};    ///< largest stiffness against rigid motion over that of the inner part
+  spatial::Matrix6 mass{};   ///< of the whole rigid structure about its interface, axes of P
+  double first_left_out{};   ///< [rad/s]; 0: all modes are kept
+  double rigid_stiffness{};  ///< largest stiffness against rigid motion over that of the inner part
 };
 
 struct PayloadElementOptions {
-  Vector3 p_PI{Vector3::Zero()};                      ///< the interface in P [m]
+  Vector3 p_PI{Vector3::Zero()};                        ///< the interface in P [m]
   spatial::Matrix3 R_PI{spatial::Matrix3::Identity()};  ///< its axes in P
-  int modes{model::most_payload_modes};               ///< the lowest that are kept
-  double damping_ratio{};                             ///< of those for which C says nothing
+  int modes{model::most_payload_modes};                 ///< the lowest that are kept
+  double damping_ratio{};                               ///< of those for which C says nothing
 };
 
 /// Fixed-interface modes (K_ii − ω² M_ii) φ = 0 and their participation L = φᵀ (M_ic − M_ii K_ii⁻¹

@@ -227,8 +227,9 @@ BristleFrictionOf<Scalar> bristle_friction(const FrictionOf<Scalar>& friction, G
           friction.bristle_stiffness * z + friction.bristle_damping * rate + friction.viscous * v};
 }
 
-/// A spring and a damper that stand for a force f(x, ẋ) which is not linear, for the motion x = A cos
-/// ωt (harmonic balance, docs/theory/amplitude.md): the part of f at ω is k A cos ωt − c ω A sin ωt.
+/// A spring and a damper that stand for a force f(x, ẋ) which is not linear, for the motion x = A
+/// cos ωt (harmonic balance, docs/theory/amplitude.md): the part of f at ω is k A cos ωt − c ω A
+/// sin ωt.
 struct Equivalent {
   double stiffness{};  ///< k [N/m]
   double damping{};    ///< c [N s/m]

@@ -108,7 +108,7 @@ Eigen::MatrixXd shape_derivatives(const NormalModes& modes, int k,
 /// (docs/theory/amplitude.md).
 ///
 /// The platform swings in one mode at a time. Every leg's guide sleeve, piston ring and piston then
-/// have amplitudes, for which harmonic balance gives a spring and a damper .
+/// have amplitudes, for which harmonic balance gives a spring and a damper.
 /// With these the mode is computed anew, until nothing changes any more.
 struct AmplitudeOptions {
   /// |change of ω| ≤ tolerance · ω and |change of φ| ≤ √tolerance end the iteration.
@@ -117,32 +117,31 @@ struct AmplitudeOptions {
   /// From one amplitude to the next in steps of this ratio: a guide ring that is met makes the
   /// sleeves many times stiffer.
   double largest_ratio{1.5};
-  /// Modes with less of their kinetic energy in the platform are left out: its amplitude says little
-  /// of them.
+  /// Modes with less of their kinetic energy in the platform are left out: its amplitude says
+  /// little of them.
   double least_platform{0.05};
-  /// MAC with the mode a step before < least_mac: shorter steps are tried, then the mode is lost, and
-  /// no number is given.
+  /// MAC with the mode a step before < least_mac: shorter steps are tried, then the mode is lost,
+  /// and no number is given.
   double least_mac{0.8};
 };
 
 struct ModeAtAmplitude {
-  int mode{};           ///< index of the linear mode that it grows from
-  double amplitude{};   ///< [m] of the platform joint that moves most
-  double omega{};       ///< [rad/s]
+  double amplitude{};  ///< [m] of the platform joint that moves most
+  double omega{};      ///< [rad/s]
   double damping_ratio{};
-  double mac{};             ///< with the linear mode, in the metric of M
-  double sleeve{};          ///< largest amplitude at a guide sleeve [m]
-  double piston{};          ///< largest amplitude of a piston along its leg [m]
-  int legs_on_guide{};      ///< whose rods touch the guide ring in the period
+  double mac{};         ///< with the linear mode, in the metric of M
+  double sleeve{};      ///< largest amplitude at a guide sleeve [m]
+  double piston{};      ///< largest amplitude of a piston along its leg [m]
+  int legs_on_guide{};  ///< whose rods touch the guide ring in the period
   bool converged{};
   ModelVector shape{};  ///< φᵀ M φ = 1; empty where it did not converge
 };
 
 /// The curves of one mode over the amplitudes.
 struct AmplitudeCurve {
-  int mode{};             ///< index into NormalModes of the linear model
-  int direction{};        ///< 0…5, in which the platform moves most
-  double omega{};         ///< of the linear model
+  int mode{};       ///< index into NormalModes of the linear model
+  int direction{};  ///< 0…5, in which the platform moves most
+  double omega{};   ///< of motions a thousandth of the first amplitude; 0: there is no balance
   std::vector<ModeAtAmplitude> points{};  ///< one per amplitude
 };
 

@@ -3,8 +3,9 @@
 /// the rigid-flexible model of one pose side by side.
 ///
 /// Rigid counterpart. For a rigid mode ψ and a mode φ of the flexible model, both M-normalised,
-/// MAC = (ψᵀ M_r φ)² with M_r the rows of M of platform, base and payload: the share of ψ that is found in
-/// φ. Over all φ it sums to 1. A mode's counterpart is the rigid mode of which it holds most.
+/// MAC = (ψᵀ M_r φ)² with M_r the rows of M of platform, base and payload: the share of ψ that is
+/// found in φ. Over all φ it sums to 1. A mode's counterpart is the rigid mode of which it holds
+/// most.
 
 #include <optional>
 #include <string>

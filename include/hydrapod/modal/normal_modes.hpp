@@ -11,25 +11,26 @@
 /// Method. On a base without coordinates legs touch each other only through the platform, so M is
 /// factored in blocks, one small block per leg and one of the platform; a symmetric eigensolver of
 /// fixed size follows. With coordinates of base or payload, M is factored whole. ω² are Rayleigh
-/// quotients of the shapes. Errors: ω² within some epsilons of itself, next to frequencies 10⁵ times higher
-/// (seals made rigid by a huge stiffness) still within 1e-9; shapes within some epsilons of the
-/// largest ω² over the distance to the next.
+/// quotients of the shapes. Errors: ω² within some epsilons of itself, next to frequencies 10⁵
+/// times higher (seals made rigid by a huge stiffness) still within 1e-9; shapes within some
+/// epsilons of the largest ω² over the distance to the next.
 ///
 /// Who moves and what stores the energy in a mode.
 ///
 /// Kinetic energy φᵀ M φ is split into the platform's six directions (about its mass centre, base
-/// axes), the six legs, the six directions of a base with coordinates and the payload's modes; these
-/// shares sum to 1. Of a payload's mode ½ (Lᵀq + ξ)² counts, its absolute motion, and the platform's
-/// directions share what is left of its mass without it (LinearModel::platform_mass). A
+/// axes), the six legs, the six directions of a base with coordinates and the payload's modes;
+/// these shares sum to 1. Of a payload's mode ½ (Lᵀq + ξ)² counts, its absolute motion, and the
+/// platform's directions share what is left of its mass without it (LinearModel::platform_mass). A
 /// product of inertia between two rotations is shared half and half, so a direction's share may be
 /// slightly negative.
 ///
 /// Elastic energy is split into oil springs (gimbals in series with them included), guide sleeves,
-/// piston rings and the bending of rod and case, per leg, the base's mount and the payload's modes; these sum to 1. On a condensed base the kinetic
-/// energy of the legs is that of their motion against it. What gravity and preload give
-/// back or take (second order: curvature, weights, knees under compression) is no elastic energy;
-/// `preload` states it as a multiple of the elastic energy: −0.6 means that preload takes away 60 %
-/// of the stiffness that the springs give the mode, −1 that the legs buckle.
+/// piston rings and the bending of rod and case, per leg, the base's mount and the payload's modes;
+/// these sum to 1. On a condensed base the kinetic energy of the legs is that of their motion
+/// against it. What gravity and preload give back or take (second order: curvature, weights, knees
+/// under compression) is no elastic energy; `preload` states it as a multiple of the elastic
+/// energy: −0.6 means that preload takes away 60 % of the stiffness that the springs give the mode,
+/// −1 that the legs buckle.
 
 #include <vector>
 

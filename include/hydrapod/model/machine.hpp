@@ -230,10 +230,10 @@ struct Rod {
 /// What makes an O-ring a spring whose stiffness depends on frequency, amplitude and pressure
 /// (docs/theory/elastomers.md). The seal's `stiffness` k is that of slow and small motions.
 struct Elastomer {
-  double dynamic_ratio{};      ///< k'(ω)/k at `frequency`, > 1
-  double loss_factor{};        ///< η = k''/k' there, > 0
-  double frequency{};          ///< [Hz] at which both hold
-  double softening{};          ///< share of k that large amplitudes take away, [0, 1)
+  double dynamic_ratio{};            ///< k'(ω)/k at `frequency`, > 1
+  double loss_factor{};              ///< η = k''/k' there, > 0
+  double frequency{};                ///< [Hz] at which both hold
+  double softening{};                ///< share of k that large amplitudes take away, [0, 1)
   double softening_amplitude{1e-4};  ///< [m] at which half of that is gone
   double pressure_stiffening{};      ///< growth of k per pressure of the oil beside the seal [1/Pa]
 };
@@ -416,7 +416,7 @@ struct Machine {
   Vector3 gravity{0.0, 0.0, -standard_gravity};  ///< [m/s²] in B
   Platform platform{};
   std::array<Leg, leg_count> legs{};
-  std::optional<BaseMount> base_mount{};  ///< absent: the base stands still
+  std::optional<BaseMount> base_mount{};     ///< absent: the base stands still
   std::vector<PayloadMode> payload_modes{};  ///< none: platform and payload are rigid
   FlexibleAxes flexible_axes{FlexibleAxes::transverse};
   Damping damping{};
@@ -467,8 +467,8 @@ bool has_pressed_seals(const Machine& machine);
 bool has_leg_dampers(const Machine& machine);
 bool has_rayleigh_damping(const Machine& machine);
 
-/// L of a payload's mode about the point `p` of P (its origin; its mass centre), axes of P: [√kg] and
-/// [√kg m].
+/// L of a payload's mode about the point `p` of P (its origin; its mass centre), axes of P: [kg]
+/// and [kg m], for a modal mass of 1 kg.
 Vector6 participation(const PayloadMode& mode, const Vector3& p = Vector3::Zero());
 
 /// Mass matrix of the platform about its mass centre, axes of P, less Σ L Lᵀ of the payload's

@@ -112,9 +112,9 @@ inline constexpr int whole = -1;
 /// The numbers that an id can stand for: a machine's own, those of all legs, of a leg, of a pose,
 /// of a mode of the payload.
 struct ParameterId {
-  std::uint16_t row{};       ///< of parameter_table()
-  std::int16_t element{};    ///< of an array, of a tensor (xx, yy, zz, xy, xz, yz); 0 or `whole`
-  std::int16_t of{};  ///< leg 1…6, or 0 for all legs; 1 + number of the pose or payload mode
+  std::uint16_t row{};     ///< of parameter_table()
+  std::int16_t element{};  ///< of an array, of a tensor (xx, yy, zz, xy, xz, yz); 0 or `whole`
+  std::int16_t of{};       ///< leg 1…6, or 0 for all legs; 1 + number of the pose or payload mode
   std::uint16_t legs{0x3F};  ///< those that it sets, a bit each
 
   friend bool operator==(const ParameterId& a, const ParameterId& b) {

@@ -15,8 +15,8 @@
 ///
 /// Motion is against the ground, on a base that moves too.
 ///
-/// Modes of the payload (docs/theory/payload.md) couple to the platform alone. The elimination takes
-/// them out of its 6×6 block as it does a leg.
+/// Modes of the payload (docs/theory/payload.md) couple to the platform alone. The elimination
+/// takes them out of its 6×6 block as it does a leg.
 ///
 /// Three exact ways to the same numbers:
 /// - modes: H = Σ φφᵀ / (ω_k² − ω² + 2iζω_kω), where no viscous damper couples the modes;
@@ -71,13 +71,13 @@ struct ResponseModel {
   int base_count{};  ///< coordinates of the base, behind those of the legs
   Vector3 p_BQ{};    ///< the point [m] in B
   ModelMatrix M{}, K{}, C{};
-  ModelMatrix loads{};                   ///< B (dof×6): generalised forces per input
-  bool loads_flexible{};                 ///< some input acts on more than the platform
-  NormalModes modes{};                   ///< in the coordinates at Q
+  ModelMatrix loads{};                        ///< B (dof×6): generalised forces per input
+  bool loads_flexible{};                      ///< some input acts on more than the platform
+  NormalModes modes{};                        ///< in the coordinates at Q
   std::vector<dynamics::RelaxingArm> arms{};  ///< those with a rate; at Q
-  double modal_ratio{};                  ///< ζ of every mode, on top of C
-  int payload_count{};                   ///< coordinates of the payload's modes, the last
-  std::vector<int> mode_direction{};     ///< per mode, 0…5: where most of its platform energy is
+  double modal_ratio{};                       ///< ζ of every mode, on top of C
+  int payload_count{};                        ///< coordinates of the payload's modes, the last
+  std::vector<int> mode_direction{};  ///< per mode, 0…5: where most of its platform energy is
 };
 
 /// `p_PQ`: the point in P [m]. Throws std::invalid_argument for Input::actuator at a singular pose.

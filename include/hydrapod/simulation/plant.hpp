@@ -3,8 +3,9 @@
 /// ordinary differential equation ẋ = f(x, input).
 ///
 /// State x, in this order (StateLayout; units in state_units()):
-///     y    position of C [m], quaternion of R_BP (w, x, y, z), per leg φ1, φ2 [rad] (, u1, u2 [m]),
-///          ξ of the payload's modes [m √kg]
+///     y    position of C [m], quaternion of R_BP (w, x, y, z), per leg φ1, φ2 [rad] (, u1, u2
+///     [m]),
+///          ξ of the payload's modes [m]
 ///     v    velocity of C [m/s], ω in base axes [rad/s], rates of the flexible coordinates, of ξ
 ///     p    per leg the cap-side and the rod-side pressure [Pa, absolute]
 ///     w    per leg spool position [of the travel] and its rate [1/s]
@@ -12,7 +13,8 @@
 ///     z    per leg the bristles' bend [m], with LuGre friction in any leg only
 ///     q_b  motion of the base against the ground [m, rad], in the directions that give way only
 ///     v_b  its rates
-///     η    per arm of seals that are elastomers two [m], along t and a2: of the guide sleeve's arms
+///     η    per arm of seals that are elastomers two [m], along t and a2: of the guide sleeve's
+///     arms
 ///          of all legs, then of the piston rings'
 /// With `hydraulics = false` there are y and v only, and each leg is held by the linear model's oil
 /// spring, at rest at the reference pose: it pulls with f + k_h (s − s_0) + c_h ṡ. There is no
@@ -79,9 +81,9 @@ struct StateLayout {
   int pressures{-1};  ///< first of 12: leg 1 cap, leg 1 rod, leg 2 cap, …
   int spools{-1};     ///< first of 12: leg 1 position, leg 1 rate, leg 2 position, …
   int supply{-1};
-  int bristles{-1};  ///< first of 6
-  int base{-1};      ///< first of q_b, then as many of v_b
-  int arms{-1};      ///< first of the seals' η
+  int bristles{-1};                 ///< first of 6
+  int base{-1};                     ///< first of q_b, then as many of v_b
+  int arms{-1};                     ///< first of the seals' η
   bool sleeve_arms{}, ring_arms{};  ///< which seals have some
   int size{};
   [[nodiscard]] int velocity() const { return positions; }

@@ -161,10 +161,10 @@ struct Exported {
 };
 
 struct AttachOptions {
-  std::string stiffness{};                       ///< Matrix Market, or a Nastran punch file
-  std::string mass{};                            ///< Matrix Market; not of a punch file
-  std::string damping{};                         ///< the same; may be empty
-  int grid{exchange::dmig_platform};             ///< of a punch file: the point that is the platform
+  std::string stiffness{};            ///< Matrix Market, or a Nastran punch file
+  std::string mass{};                 ///< Matrix Market; not of a punch file
+  std::string damping{};              ///< the same; may be empty
+  int grid{exchange::dmig_platform};  ///< of a punch file: the point that is the platform
   spatial::Vector3 p_PI{spatial::Vector3::Zero()};  ///< the interface in P [m]
   int modes{model::most_payload_modes};
   double damping_ratio{};  ///< of modes for which no damping matrix speaks
