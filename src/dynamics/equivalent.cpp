@@ -4,11 +4,11 @@
 
 #include <Eigen/LU>
 #include <algorithm>
-#include <boost/math/quadrature/gauss.hpp>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
+#include "gauss_rule.hpp"
 #include "guide_contact.hpp"
 
 namespace hydrapod::dynamics {
@@ -25,16 +25,11 @@ struct PeriodSums {
 
   PeriodSums(const model::GuideSleeve& sleeve, const Vector2& mean, const Vector2& amplitude) {
     // The motion there is the motion back: half of a period has it all.
-    using Quadrature = boost::math::quadrature::gauss<double, 20>;
     const auto ends = smooth_pieces(sleeve, mean, amplitude);
-    for (std::size_t piece = 0; piece + 1 < ends.size(); ++piece) {
-      const double middle = 0.5 * (ends[piece] + ends[piece + 1]);
-      const double half = 0.5 * (ends[piece + 1] - ends[piece]);
-      for (std::size_t k = 0; k < Quadrature::abscissa().size(); ++k)
-        for (const double side : {-half, half})
-          add(sleeve, mean, amplitude, middle + side * Quadrature::abscissa()[k],
-              Quadrature::weights()[k] * half / pi);
-    }
+    for (std::size_t piece = 0; piece + 1 < ends.size(); ++piece)
+      over_piece<20>(ends[piece], ends[piece + 1], [&](double theta, double weight) {
+        add(sleeve, mean, amplitude, theta, weight / pi);
+      });
     slope += sleeve.stiffness * Eigen::Matrix2d::Identity();
   }
 

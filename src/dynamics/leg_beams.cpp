@@ -9,6 +9,7 @@
 #include <numbers>
 #include <utility>
 
+#include "gauss_rule.hpp"
 #include "round_section.hpp"
 
 namespace hydrapod::dynamics {
@@ -16,6 +17,9 @@ namespace hydrapod::dynamics {
 namespace {
 
 using std::numbers::pi;
+
+/// Of Gauss' rule: what is integrated are polynomials up to the eighth degree and two sines.
+constexpr unsigned points = 10;
 
 /// A uniform part and point masses at both ends.
 struct Spread {
@@ -109,18 +113,6 @@ BeamCompliance of_case(const LegBeams& beams, double s, double P) {
           (6.0 * a + 2.0 * at.f - 4.0 * a * at.f_s + a2 * at.f_ss) * per};
 }
 
-/// ∫ from x0 to x1, exact for polynomials up to the fifteenth degree.
-template <class Use>
-void integrate(double x0, double x1, Use use) {
-  constexpr std::array<double, 4> at{0.18343464249564980, 0.52553240991632899, 0.79666647741362674,
-                                     0.96028985649753623};
-  constexpr std::array<double, 4> weight{0.36268378337836198, 0.31370664587788729,
-                                         0.22238103445337447, 0.10122853629037626};
-  const double half = 0.5 * (x1 - x0), middle = 0.5 * (x0 + x1);
-  for (std::size_t i = 0; i < at.size(); ++i)
-    for (const double side : {-half, half}) use(middle + side * at[i], half * weight[i]);
-}
-
 /// Deflections of a body from its chord: that under a unit force at the sleeve, and two more that
 /// its own inertia brings.
 struct Bows {
@@ -150,8 +142,9 @@ Bows rod_bows(const LegBeams& beams, double s) {
   };
   bows.at_sleeve = deflections(a);
   for (const auto& [from, to] : {std::pair{0.0, a}, std::pair{a, L}})
-    integrate(from, to,
-              [&](double x, double dx) { bows.add_mass(beams.mu_rod * dx, x, deflections(x)); });
+    over_piece<points>(from, to, [&](double x, double dx) {
+      bows.add_mass(beams.mu_rod * dx, x, deflections(x));
+    });
   // A shape that vanishes at the supports meets the force with its deflection there.
   bows.stiffness.row(0) = bows.at_sleeve;
   bows.stiffness.col(0) = bows.at_sleeve;
@@ -173,13 +166,14 @@ Bows case_bows(const LegBeams& beams, double s) {
   };
   bows.at_sleeve = deflections(L);
   for (const auto& [from, to] : {std::pair{0.0, s}, std::pair{s, L}})
-    integrate(from, to,
-              [&](double x, double dx) { bows.add_mass(beams.mu_case * dx, x, deflections(x)); });
+    over_piece<points>(from, to, [&](double x, double dx) {
+      bows.add_mass(beams.mu_case * dx, x, deflections(x));
+    });
   bows.add_mass(beams.case_end, L, bows.at_sleeve);
   bows.stiffness.setZero();
   bows.stiffness.row(0) = bows.at_sleeve;
   bows.stiffness.col(0) = bows.at_sleeve;
-  integrate(0.0, L, [&](double x, double dx) {
+  over_piece<points>(0.0, L, [&](double x, double dx) {
     const Eigen::Vector2d curvatures(2.0 / (L * L), (6.0 * x - 2.0 * s) / (L * L * L));
     bows.stiffness.bottomRightCorner<2, 2>() +=
         beams.EI_case * dx * curvatures * curvatures.transpose();
