@@ -70,36 +70,32 @@ void rank(Diagnosis& d) {
 
 namespace {
 
-/// Is its misfit one that the deviations account for? Of a pair more is asked: it is the best of
-/// some hundred, which meet what they are not the cause of more often than a single cause does.
+/// Is its misfit one that the deviations account for?
 bool explains(const Diagnosis& d, const Hypothesis& e) {
-  constexpr double of_pair = 5.0 * least_probability;
-  return goodness(d, e).probability >= (e.causes.size() > 1 ? of_pair : least_probability);
+  return goodness(d, e).probability >=
+         (e.causes.size() > 1 ? least_probability_of_pair : least_probability);
 }
 
 /// Are the frequencies those of the machine as stated, though the shapes are not? Every cause that
 /// moves shapes moves frequencies too, so that the shapes are in doubt: places, signs or directions
 /// of sensors. Leakage moves dampings and responses alone.
 bool only_shapes_differ(const Diagnosis& d) {
-  constexpr double usual = 0.1;  // a larger χ² is chance one time in ten
   const bool more = !d.targets.responses.empty() ||
                     std::ranges::any_of(d.targets.modes,
                                         [](const auto& mode) { return mode.damping.has_value(); });
-  return !more && goodness(d, d.nominal()).frequencies.probability() >= usual;
+  return !more && goodness(d, d.nominal()).frequencies.probability() >= usual_frequencies;
 }
 
-/// Could frequencies have refuted it? As many numbers as frequencies, or one less, meet any.
+/// Could frequencies have refuted it?
 bool is_tested(const Diagnosis& d, const Hypothesis& e) {
-  constexpr int least = 2;
-  return static_cast<int>(d.targets.modes.size()) - e.parameters >= least;
+  return static_cast<int>(d.targets.modes.size()) - e.parameters >= tested_by;
 }
 
 /// Leaves of those that are alike the ones that explain the data, with numbers that no bound holds,
-/// and clearly better than a cause that is no candidate would. There are more causes than
-/// candidates: odds of 20 : 1 besides those of `same`.
+/// and clearly better than a cause that is no candidate would.
 void drop_unexplained(Diagnosis& d) {
   if (only_shapes_differ(d)) d.equivalent.clear();
-  const double limit = unlisted_bic(d) - 2.0 * same;
+  const double limit = unlisted_bic(d) - over_unlisted;
   const auto held = [](const calibration::FittedParameter& p) {
     return p.verdict == calibration::Verdict::at_bound;
   };

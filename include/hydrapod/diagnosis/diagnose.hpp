@@ -411,8 +411,18 @@ struct Goodness {
 
 Goodness goodness(const Diagnosis& d, const Hypothesis& hypothesis);
 
-/// Below this probability a hypothesis does not explain the data, and nothing is identified by it.
-inline constexpr double least_probability = 0.01;
+/// probability < least_probability: the hypothesis does not explain the data, and nothing is
+/// identified by it. Of a pair of causes five times as much is asked: it is the best of some
+/// hundred, which meet what they are not the cause of more often than a single cause does.
+inline constexpr double least_probability = 0.01, least_probability_of_pair = 0.05;
+/// BIC > unlisted_bic − over_unlisted: no better than a cause that is no candidate. There are more
+/// causes than candidates: odds of 20 : 1 besides those of `same`.
+inline constexpr double over_unlisted = 2.0 * same;
+/// Frequencies − numbers < tested_by: as many numbers as frequencies, or one less, meet any.
+inline constexpr int tested_by = 2;
+/// Probability of the nominal machine's frequencies ≥ usual_frequencies: they are those stated. A
+/// larger χ² is chance one time in ten.
+inline constexpr double usual_frequencies = 0.1;
 
 /// BIC of a cause that is no candidate: it moves every value of a kind by an amount of its own,
 /// normally distributed about the nominal machine's with a variance that the data determine,
