@@ -81,11 +81,12 @@ TEST(Recovery, SealsThatAreElastomersComeBackFromTheirDampedModes) {
     const auto& mode = table.real.modes[k];
     Eigen::Index direction = 0;
     if (mode.energy.platform.maxCoeff(&direction) < 0.3 || mode.mode.damping_ratio > 0.5) continue;
-    targets.modes.push_back({.name = mode.label,
-                             .pose = "neutral",
-                             .direction = static_cast<int>(direction),
-                             .omega = mode.mode.omega,
-                             .deviation = 1e-4 * mode.mode.omega});
+    ModeTarget target{.name = mode.label,
+                      .pose = "neutral",
+                      .omega = mode.mode.omega,
+                      .deviation = 1e-4 * mode.mode.omega};
+    target.direction = static_cast<int>(direction);
+    targets.modes.push_back(target);
     apart = std::max(
         apart, std::abs(table.real.normal.omega(static_cast<int>(k)) / mode.mode.omega - 1.0));
   }
