@@ -104,7 +104,7 @@ def plot_modes(modes: Modes, *, platform_only: bool = True, figure: Any = None) 
     begin = np.zeros(len(shown))
     parts = (("oil", "#56b4e9", "oil"), ("guide_sleeve", "#e69f00", "guide sleeves"),
              ("piston_ring", "#cc79a7", "piston rings"), ("base_mount", grey, "base mount"),
-             ("payload", "#009e73", "payload"))
+             ("payload", "#009e73", "payload"), ("bending", "#d55e00", "bending of rods and cases"))
     for key, colour, name in parts:
         share = np.array([100.0 * mode["strain_energy"].get(key, 0.0) for mode in shown])
         if share.max(initial=0.0) > 0.0:

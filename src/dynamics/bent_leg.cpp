@@ -7,7 +7,6 @@
 #include <limits>
 #include <optional>
 
-#include "elastomers.hpp"
 #include "guide_contact.hpp"
 #include "hydrapod/hydraulics/servo_axis.hpp"
 #include "leg_beams.hpp"
@@ -318,15 +317,12 @@ Matrix7 chart_hessian(const LegElement& element, const Configuration& at, const 
 }
 
 /// The leg's viscous dampers.
-Matrix7 leg_damping(const model::Leg& leg, const LegElement& element, const Configuration& at,
-                    const Matrix7& T, bool gimbal) {
-  Matrix7 C = leg.guide_sleeve.damping * element.d_x.transpose() * element.d_x +
-              hydraulics::axial_spring(leg, at.s).damping * element.s_x * element.s_x.transpose();
+Matrix7 leg_damping(const model::Leg& leg, const LegElement& element, double s) {
+  const Matrix7 C =
+      leg.guide_sleeve.damping * element.d_x.transpose() * element.d_x +
+      hydraulics::axial_spring(leg, s).damping * element.s_x * element.s_x.transpose();
   if (!leg.piston_ring) return C;
-  Matrix27 offset_rates = Matrix27::Zero();
-  offset_rates.rightCols<2>().setIdentity();
-  const Matrix27 u_x = seen_by_case(at, offset_rates, at.u, T, gimbal);
-  return C + leg.piston_ring->damping * u_x.transpose() * u_x;
+  return C + leg.piston_ring->damping * element.u_x.transpose() * element.u_x;
 }
 
 /// Lengths, springs and frame of the element; its matrices follow later.
@@ -358,19 +354,6 @@ void press(const model::GuideSleeve& sleeve, const Vector2& chords, LegElement& 
 }
 
 }  // namespace
-
-Matrix27 ring_rates(const model::Leg& leg, const Vector3& a, model::FlexibleAxes axes,
-                    const LegState& state) {
-  const Vector3 L = a - leg.base_joint;
-  const Vector3 a1 = frame_axis(L.normalized(), leg.gimbal_axis, axes);
-  Configuration at{
-      RodDirection(state.flexible[0], state.flexible[1]), {}, {}, {}, state.flexible.tail<2>()};
-  Matrix27 offset_rates = Matrix27::Zero();
-  offset_rates.rightCols<2>().setIdentity();
-  if (!close_leg(leg, L, a1, state, at)) return offset_rates;
-  const Matrix7 T = chart_from_local(LegPoints(leg, at).joint_rates);
-  return seen_by_case(at, offset_rates, at.u, T, axes == model::FlexibleAxes::gimbal);
-}
 
 BentLeg bent_leg(const model::Leg& leg, const Vector3& a, model::FlexibleAxes axes,
                  const Vector3& gravity, const LegState& state) {
@@ -408,6 +391,9 @@ BentLeg bent_leg(const model::Leg& leg, const Vector3& a, model::FlexibleAxes ax
   element.d_x =
       seen_by_case(at, bending ? Matrix27(bending->series.delta_d * bending->D) : sleeve.D,
                    element.sleeve_offset, T, gimbal);
+  Matrix27 offset_rates = Matrix27::Zero();
+  offset_rates.rightCols<2>().setIdentity();
+  element.u_x = seen_by_case(at, offset_rates, at.u, T, gimbal);
   bent.K_without_oil = T.transpose() *
                        chart_hessian(element, at, points, sleeve_hessian(element, sleeve, bending),
                                      weights, lambda) *
@@ -420,7 +406,7 @@ BentLeg bent_leg(const model::Leg& leg, const Vector3& a, model::FlexibleAxes ax
     element.F_x = seen_by_case(at, bending->series.F_d * bending->D, bending->force, T, gimbal);
   }
   element.M = T.transpose() * mass * T;
-  element.C = leg_damping(leg, element, at, T, gimbal);
+  element.C = leg_damping(leg, element, at.s);
   return bent;
 }
 

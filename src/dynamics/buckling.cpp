@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cmath>
 
 #include "hydrapod/base/error.hpp"
 
@@ -14,11 +15,20 @@ namespace {
 class LoadPath {
  public:
   LoadPath(const model::Machine& machine, const spatial::Pose& X_BP, ModelKind kind)
-      : machine_(machine), X_BP_(X_BP), kind_(kind) {}
+      : of_file_(machine), machine_(machine), X_BP_(X_BP), kind_(kind) {}
 
   /// True when it stands stably with this platform mass: an equilibrium, and K positive definite.
   bool stands(double mass) {
     machine_.platform.mass = mass;
+    // What swings grows with the platform, up to what the file says.
+    const double share = std::min(1.0, mass / of_file_.platform.mass);
+    for (std::size_t k = 0; k < machine_.payload_modes.size(); ++k) {
+      const auto& whole = of_file_.payload_modes[k];
+      auto& mode = machine_.payload_modes[k];
+      if (whole.mass) mode.mass = share * *whole.mass;
+      if (whole.participation) mode.participation = std::sqrt(share) * *whole.participation;
+      mode.participation_moment = std::sqrt(share) * whole.participation_moment;
+    }
     try {
       const auto model = linear_model(machine_, X_BP_, kind_, on_path_ ? &last_ : nullptr);
       const double lowest = lowest_stiffness(model);
@@ -42,6 +52,7 @@ class LoadPath {
   [[nodiscard]] const StaticEquilibrium& last() const { return last_; }
 
  private:
+  const model::Machine& of_file_;
   model::Machine machine_;
   spatial::Pose X_BP_;
   ModelKind kind_;
@@ -52,7 +63,7 @@ class LoadPath {
 
   /// Smallest eigenvalue of K in the masses' metric, ω² of the lowest mode.
   static double lowest_stiffness(const LinearModel& model) {
-    return Eigen::GeneralizedSelfAdjointEigenSolver<ModelMatrix>(model.K, model.M,
+    return Eigen::GeneralizedSelfAdjointEigenSolver<ModelMatrix>(slow_stiffness(model), model.M,
                                                                  Eigen::EigenvaluesOnly)
         .eigenvalues()[0];
   }

@@ -15,8 +15,10 @@ namespace hydrapod::dynamics {
 
 namespace {
 
+constexpr double step = 8.0;  ///< between the rates of neighbouring arms
+
 /// Rates of the arms over ω, the middle one at `center`.
-std::array<double, arms_per_seal> rates_about(double center, double step) {
+std::array<double, arms_per_seal> rates_about(double center) {
   return {center / step, center, center * step};
 }
 
@@ -40,7 +42,7 @@ void press(double pressure, double& stiffness, std::optional<model::Elastomer>& 
 
 }  // namespace
 
-SealArms seal_arms(double stiffness, const model::Elastomer& elastomer, double step) {
+SealArms seal_arms(double stiffness, const model::Elastomer& elastomer) {
   const double growth = elastomer.dynamic_ratio - 1.0;
   const double wanted = elastomer.loss_factor * elastomer.dynamic_ratio / growth;
   // loss/storage of the arms grows with their rates as long as these are not far apart.
@@ -48,10 +50,10 @@ SealArms seal_arms(double stiffness, const model::Elastomer& elastomer, double s
   constexpr int halvings = 120;  // of the logarithm: to rounding
   for (int k = 0; k < halvings && high > low * (1.0 + 1e-15); ++k) {
     const double middle = std::sqrt(low * high);
-    const ArmSums sums(rates_about(middle, step));
+    const ArmSums sums(rates_about(middle));
     (sums.loss < wanted * sums.storage ? low : high) = middle;
   }
-  const auto rates = rates_about(std::sqrt(low * high), step);
+  const auto rates = rates_about(std::sqrt(low * high));
   const double each = growth * stiffness / ArmSums(rates).storage;
   SealArms arms;
   for (std::size_t j = 0; j < arms_per_seal; ++j)
@@ -122,29 +124,33 @@ void fill_seal_arms(const model::Machine& machine, LinearModel& model) {
       element.k_s += closed;
     }
     if (model.kind != ModelKind::full || !leg.piston_ring->elastomer) continue;
-    const Rows per_x = ring_rates(leg, model.X_BP * leg.platform_joint, machine.flexible_axes,
-                                  model.statics.legs[i]);
     const double closed =
-        add(i, leg.piston_ring->stiffness, *leg.piston_ring->elastomer, Relaxing::ring, per_x);
-    element.K += closed * per_x.transpose() * per_x;
+        add(i, leg.piston_ring->stiffness, *leg.piston_ring->elastomer, Relaxing::ring, element.u_x);
+    element.K += closed * element.u_x.transpose() * element.u_x;
     element.k_g += closed;
   }
 }
 
-void require_slow_stiffness(const LinearModel& model) {
-  ModelMatrix K_slow = model.K;
+ModelMatrix slow_stiffness(const LinearModel& model) {
+  ModelMatrix K = model.K;
   for (const auto& arm : model.arms)
-    if (arm.what != Relaxing::oil) K_slow -= arm.stiffness * arm.s_y * arm.s_y.transpose();
+    if (arm.what != Relaxing::oil) K -= arm.stiffness * arm.s_y * arm.s_y.transpose();
+  return K;
+}
+
+void require_slow_stiffness(const LinearModel& model) {
   const auto stands = [](const ModelMatrix& K) {
     return Eigen::LLT<ModelMatrix>(K).info() == Eigen::Success;
   };
-  if (stands(K_slow) || !stands(model.K)) return;
+  if (stands(slow_stiffness(model)) || !stands(model.K)) return;
   throw base::ComputationError(
-      "the legs fold at this pose while their seals creep: `stiffness` of the seals, which holds "
-      "for slow motions, does not carry the load (see `hydrapod check`)");
+      "the legs fold at this pose under the static stiffness of their seals, `stiffness`, which "
+      "does not carry the load (see `hydrapod check`)");
 }
 
-model::Machine with_pressed_seals(model::Machine machine, const spatial::Pose& X_BP) {
+model::Machine with_pressed_seals(model::Machine machine, ModelKind kind,
+                                  const spatial::Pose& X_BP) {
+  if (kind == ModelKind::rigid || !model::has_pressed_seals(machine)) return machine;
   const auto statics = static_equilibrium(machine, X_BP, ModelKind::rigid);
   for (int i = 0; i < model::leg_count; ++i) {
     auto& leg = machine.legs[i];

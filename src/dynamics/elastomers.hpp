@@ -5,11 +5,6 @@
 
 namespace hydrapod::dynamics {
 
-/// Offset of the piston along t and a2 as the case sees it, per ẋ. `a`, `state` as for bent_leg.
-Eigen::Matrix<double, 2, leg_coordinates> ring_rates(const model::Leg& leg, const Vector3& a,
-                                                     model::FlexibleAxes axes,
-                                                     const LegState& state);
-
 /// Puts the arms of the seals into the legs' K as if their dampers were rigid, and keeps them in
 /// model.arms, whose s_y follows with point_arms().
 void fill_seal_arms(const model::Machine& machine, LinearModel& model);

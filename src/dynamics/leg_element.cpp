@@ -116,6 +116,7 @@ LegElement straight_leg(const model::Leg& leg, const kinematics::LegGeometry& ge
   element.d_x(1, 3) = -element.l_mh;
   element.d_x(0, 5) = 1.0;
   element.d_x(1, 6) = 1.0;
+  element.u_x(0, 5) = element.u_x(1, 6) = 1.0;
 
   Matrix3 plane = plane_mass(leg, element.l, element.l_m);
   double at_sleeve = element.k_s;

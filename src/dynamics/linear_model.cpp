@@ -210,7 +210,7 @@ LinearModel assembled(const model::Machine& machine, const spatial::Pose& X_BP, 
 LinearModel assembled_for(const model::Machine& machine, const spatial::Pose& X_BP, ModelKind kind,
                           const std::vector<int>& base, const StaticsSearch& search) {
   if (kind != ModelKind::rigid && model::has_pressed_seals(machine))
-    return assembled_for(with_pressed_seals(machine, X_BP), X_BP, kind, base, search);
+    return assembled_for(with_pressed_seals(machine, kind, X_BP), X_BP, kind, base, search);
   if (!model::has_chambers(machine)) return assembled(machine, X_BP, kind, base, search);
   auto damped = with_seal_dampers(machine, kind, X_BP);
   for (auto& leg : damped.legs) leg.oil_spring.damping = 0.0;

@@ -9,7 +9,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "hydrapod/dynamics/leg.hpp"
+#include "hydrapod/dynamics/linear_model.hpp"
 #include "hydrapod/hydraulics/servo_axis.hpp"
 #include "leg_equations.hpp"
 #include "leg_motion.hpp"
@@ -269,7 +269,7 @@ bool Motion::exists() const {
 
 NonlinearModel::NonlinearModel(const model::Machine& machine, ModelKind kind,
                                const spatial::Pose& X_reference)
-    : machine_(machine),
+    : machine_(with_pressed_seals(machine, kind, X_reference)),
       kind_(kind),
       spinning_(machine.flexible_axes == model::FlexibleAxes::gimbal),
       joint_friction_(has_joint_friction(machine)) {

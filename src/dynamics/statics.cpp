@@ -182,7 +182,7 @@ StaticEquilibrium static_equilibrium(const model::Machine& machine, const spatia
                                      ModelKind kind, const StaticsOptions& options,
                                      const StaticEquilibrium* start) {
   if (kind != ModelKind::rigid && model::has_pressed_seals(machine))
-    return static_equilibrium(with_pressed_seals(machine, X_BP), X_BP, kind, options, start);
+    return static_equilibrium(with_pressed_seals(machine, kind, X_BP), X_BP, kind, options, start);
   std::array<BentLeg, model::leg_count> legs;
   return static_equilibrium(machine, X_BP, kind, {.options = options, .start = start}, legs);
 }

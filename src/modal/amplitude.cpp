@@ -49,12 +49,6 @@ Eigen::Matrix2d in_series(const Eigen::Matrix2d& seal, double bending) {
   return (Eigen::Matrix2d::Identity() + bending * seal).inverse() * seal;
 }
 
-model::Machine pressed(const model::Machine& machine, const spatial::Pose& X_BP,
-                       dynamics::ModelKind kind) {
-  if (kind == dynamics::ModelKind::rigid || !model::has_pressed_seals(machine)) return machine;
-  return dynamics::with_pressed_seals(machine, X_BP);
-}
-
 /// The guide ring where the rod's chord swings by `chord` and what bends is in series: the seal's
 /// amplitude, taken along the chord's, is a share of it that falls as the ring grows stiffer.
 dynamics::GuideEquivalent guide_behind(const model::GuideSleeve& sleeve, const Vector2& rest,
@@ -79,7 +73,7 @@ dynamics::GuideEquivalent guide_behind(const model::GuideSleeve& sleeve, const V
 class Swinging {
  public:
   Swinging(const model::Machine& machine, const spatial::Pose& X_BP, dynamics::ModelKind kind)
-      : machine_(pressed(machine, X_BP, kind)),
+      : machine_(dynamics::with_pressed_seals(machine, kind, X_BP)),
         linear_(dynamics::linear_model(machine_, X_BP, kind)),
         modes_(normal_modes(linear_)) {
     for (int i = 0; i < model::leg_count; ++i) {

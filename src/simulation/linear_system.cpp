@@ -99,9 +99,11 @@ std::vector<StatePart> plant_parts(const StateLayout& layout, int flexible) {
   for (int i = layout.base; i >= 0 && i < end; ++i)
     parts[static_cast<size_t>(i - shift)] = {Part::base, -1};
   constexpr int per_seal = 2 * static_cast<int>(dynamics::arms_per_seal);
-  for (int i = layout.arms; i >= 0 && i < layout.size; ++i)
-    parts[static_cast<size_t>(i - shift)] = {Part::seal,
-                                             (i - layout.arms) / per_seal % model::leg_count};
+  for (const auto* first : {&layout.sleeve_arms, &layout.ring_arms})
+    for (int leg = 0; leg < model::leg_count; ++leg)
+      for (int i = 0; (*first)[static_cast<size_t>(leg)] >= 0 && i < per_seal; ++i)
+        parts[static_cast<size_t>((*first)[static_cast<size_t>(leg)] + i - shift)] = {Part::seal,
+                                                                                     leg};
   return parts;
 }
 

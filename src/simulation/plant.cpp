@@ -56,11 +56,6 @@ model::Machine with_friction(model::Machine machine, Friction friction) {
   return machine;
 }
 
-model::Machine pressed(const model::Machine& machine, ModelKind kind, const Pose& X_reference) {
-  if (kind == ModelKind::rigid || !model::has_pressed_seals(machine)) return machine;
-  return dynamics::with_pressed_seals(machine, X_reference);
-}
-
 bool finite(const double* x, int size) {
   double sum = 0.0;  // not finite as soon as one of them is not
   for (int k = 0; k < size; ++k) sum += 0.0 * x[k];
@@ -76,7 +71,7 @@ Plant::Plant(const model::Machine& machine, ModelKind kind, const PlantOptions& 
              const Pose& X_reference)
     : machine_(machine),
       mechanics_(dynamics::with_seal_dampers(
-                     with_friction(pressed(machine, kind, X_reference), options.friction), kind,
+                     with_friction(dynamics::with_pressed_seals(machine, kind, X_reference), options.friction), kind,
                      X_reference),
                  kind, X_reference),
       options_(options) {
@@ -87,7 +82,8 @@ Plant::Plant(const model::Machine& machine, ModelKind kind, const PlantOptions& 
   layout_ = make_layout(mechanics_, options, axes_);
   set_base(X_reference);
   set_arms();
-  if (model::has_elastic_legs(machine)) bend_arms(mechanics_, X_reference, sleeve_arms_.of);
+  if (layout_.arms >= 0 && model::has_elastic_legs(machine))
+    bend_arms(mechanics_, X_reference, sleeve_arms_);
   set_gimbals(X_reference);
   if (!options.hydraulics) set_springs(X_reference);
   set_oil_constants();

@@ -11,15 +11,13 @@ using model::leg_count;
 
 namespace {
 
-constexpr int per_leg = 2 * static_cast<int>(arms_per_seal);  // states: each arm along t and a2
+constexpr int per_seal = 2 * static_cast<int>(arms_per_seal);  // states: each arm along t and a2
 
-/// Forces of the arms of leg `i` at the offset, [N]; the rates of their states into `rate`.
+/// each(arm, place of its two states in x), where the seal has any.
 template <class Each>
-void for_arms(const std::array<dynamics::SealArms, leg_count>& of, int first, int leg,
-              const Each& each) {
-  const auto& arms = of[static_cast<size_t>(leg)];
-  for (size_t j = 0; j < arms_per_seal; ++j)
-    each(arms[j], first + leg * per_leg + 2 * static_cast<int>(j));
+void for_arms(const dynamics::SealArms& arms, int first, const Each& each) {
+  if (first < 0) return;
+  for (size_t j = 0; j < arms_per_seal; ++j) each(arms[j], first + 2 * static_cast<int>(j));
 }
 
 }  // namespace
@@ -41,27 +39,26 @@ void bend_arms(const dynamics::NonlinearModel& mechanics, const Pose& X_referenc
 /// After everything else in the state. The mechanics' machine is that with pressed seals.
 void Plant::set_arms() {
   const auto& legs = mechanics_.machine().legs;
-  const auto add = [&](auto elastomer_of, Arms& arms, bool& there) {
-    for (size_t i = 0; i < leg_count; ++i)
-      if (const auto [stiffness, elastomer] = elastomer_of(legs[i]); elastomer != nullptr) {
-        arms.of[i] = dynamics::seal_arms(stiffness, *elastomer);
-        there = true;
-      }
-    if (!there) return;
-    arms.first = layout_.size;
-    layout_.size += leg_count * per_leg;
-    if (layout_.arms < 0) layout_.arms = arms.first;
+  const auto add = [&](const auto& seal, dynamics::SealArms& arms, int& first) {
+    if (!seal.elastomer) return;
+    arms = dynamics::seal_arms(seal.stiffness, *seal.elastomer);
+    first = layout_.size;
+    layout_.size += per_seal;
+    if (layout_.arms < 0) layout_.arms = first;
   };
-  using Seal = std::pair<double, const model::Elastomer*>;
-  const auto elastomer = [](const auto& seal) -> Seal {
-    return {seal.stiffness, seal.elastomer ? &*seal.elastomer : nullptr};
-  };
-  if (kind() != ModelKind::rigid)
-    add([&](const model::Leg& leg) { return elastomer(leg.guide_sleeve); }, sleeve_arms_,
-        layout_.sleeve_arms);
-  if (kind() == ModelKind::full)
-    add([&](const model::Leg& leg) { return elastomer(*leg.piston_ring); }, ring_arms_,
-        layout_.ring_arms);
+  for (size_t i = 0; i < leg_count && kind() != ModelKind::rigid; ++i)
+    add(legs[i].guide_sleeve, sleeve_arms_[i], layout_.sleeve_arms[i]);
+  for (size_t i = 0; i < leg_count && kind() == ModelKind::full; ++i)
+    add(*legs[i].piston_ring, ring_arms_[i], layout_.ring_arms[i]);
+}
+
+template <class Each>
+void Plant::for_seals(const dynamics::Motion& motion, const Each& each) const {
+  for (size_t i = 0; i < leg_count; ++i) {
+    const auto& leg = motion.legs[i];
+    each(i, true, leg.sleeve_offset, sleeve_arms_[i], layout_.sleeve_arms[i]);
+    each(i, false, Vector2(leg.flexible.tail<2>()), ring_arms_[i], layout_.ring_arms[i]);
+  }
 }
 
 void Plant::arms_side(const double* x, double* rate, dynamics::Loads& loads,
@@ -70,51 +67,39 @@ void Plant::arms_side(const double* x, double* rate, dynamics::Loads& loads,
   loads.seals_press = true;
   // What the states are of turns with the case, their components with the frame.
   const Vector6 spins = dynamics::frame_spins(mechanics_, work.motion);
-  const auto press = [&](const Arms& arms, int leg, const Vector2& offset, Vector2& force) {
-    if (arms.first < 0) return;
-    for_arms(arms.of, arms.first, leg, [&](const dynamics::SealArm& arm, int at) {
-      for (int k = 0; k < 2; ++k) {
-        const double stretch = offset[k] - x[at + k];
-        force[k] += arm.stiffness * stretch;
-        rate[at + k] = arm.rate * stretch + (k == 0 ? spins[leg] * x[at + 1] : -spins[leg] * x[at]);
-      }
+  for_seals(work.motion, [&](size_t leg, bool sleeve, const Vector2& offset,
+                             const dynamics::SealArms& arms, int first) {
+    Vector2& force = sleeve ? loads.sleeve[leg] : loads.ring[leg];
+    const double spin = spins[static_cast<Eigen::Index>(leg)];
+    for_arms(arms, first, [&](const dynamics::SealArm& arm, int at) {
+      const Vector2 eta(x[at], x[at + 1]), stretch = offset - eta;
+      force += arm.stiffness * stretch;
+      rate[at] = arm.rate * stretch[0] + spin * eta[1];
+      rate[at + 1] = arm.rate * stretch[1] - spin * eta[0];
     });
-  };
-  for (int i = 0; i < leg_count; ++i) {
-    const auto& leg = work.motion.legs[static_cast<size_t>(i)];
-    press(sleeve_arms_, i, leg.sleeve_offset, loads.sleeve[static_cast<size_t>(i)]);
-    press(ring_arms_, i, leg.flexible.tail<2>(), loads.ring[static_cast<size_t>(i)]);
-  }
+  });
 }
 
 void Plant::arms_outputs(const double* x, const Work& work, PlantOutput& out) const {
-  for (const Arms* arms : {&sleeve_arms_, &ring_arms_}) {
-    if (arms->first < 0) continue;
-    for (int i = 0; i < leg_count; ++i) {
-      const auto& leg = work.motion.legs[static_cast<size_t>(i)];
-      const Vector2 offset = arms == &sleeve_arms_ ? leg.sleeve_offset : leg.flexible.tail<2>();
-      for_arms(arms->of, arms->first, i, [&](const dynamics::SealArm& arm, int at) {
-        const double square = (offset - Vector2(x[at], x[at + 1])).squaredNorm();
-        out.seal_arms_energy += 0.5 * arm.stiffness * square;
-        out.dissipation += arm.stiffness * arm.rate * square;
-      });
-    }
-  }
+  for_seals(work.motion, [&](size_t, bool, const Vector2& offset, const dynamics::SealArms& arms,
+                             int first) {
+    for_arms(arms, first, [&](const dynamics::SealArm& arm, int at) {
+      const double square = (offset - Vector2(x[at], x[at + 1])).squaredNorm();
+      out.seal_arms_energy += 0.5 * arm.stiffness * square;
+      out.dissipation += arm.stiffness * arm.rate * square;
+    });
+  });
 }
 
 /// Relaxed, where the mechanics of `x` stand.
 void Plant::arms_at_rest(Eigen::VectorXd& x) const {
   if (layout_.arms < 0) return;
-  const auto now = motion(x.data());
-  for (const Arms* arms : {&sleeve_arms_, &ring_arms_}) {
-    if (arms->first < 0) continue;
-    for (int i = 0; i < leg_count; ++i) {
-      const auto& leg = now.legs[static_cast<size_t>(i)];
-      const Vector2 offset = arms == &sleeve_arms_ ? leg.sleeve_offset : leg.flexible.tail<2>();
-      for_arms(arms->of, arms->first, i,
-               [&](const dynamics::SealArm&, int at) { x.segment<2>(at) = offset; });
-    }
-  }
+  for_seals(motion(x.data()),
+            [&](size_t, bool, const Vector2& offset, const dynamics::SealArms& arms, int first) {
+              for_arms(arms, first, [&](const dynamics::SealArm&, int at) {
+                x.segment<2>(at) = offset;
+              });
+            });
 }
 
 }  // namespace hydrapod::simulation

@@ -57,15 +57,13 @@ void add_base(const dynamics::MovingBase& base, const char* suffix, const Kind& 
   }
 }
 
-/// Those of the guide sleeves, then those of the piston rings; rings alone where sleeves are no
-/// elastomers.
+/// Those of the guide sleeves, then those of the piston rings.
 void add_arms(const StateLayout& layout, std::vector<Described>& all) {
-  constexpr int per_seal = 2 * static_cast<int>(dynamics::arms_per_seal);
-  const auto add = [&](bool there, const char* seal) {
-    for (int k = 0; there && k < leg_count * per_seal; ++k)
-      all.push_back({fmt::format("leg{}.{}_{}{}", k / per_seal + 1, seal, k % 2 == 0 ? "t" : "a2",
-                                 k % per_seal / 2 + 1),
-                     arm});
+  const auto add = [&](const std::array<int, leg_count>& first, const char* seal) {
+    for (size_t leg = 0; leg < leg_count; ++leg)
+      for (size_t j = 1; first[leg] >= 0 && j <= dynamics::arms_per_seal; ++j)
+        for (const char* axis : {"t", "a2"})
+          all.push_back({fmt::format("leg{}.{}_{}{}", leg + 1, seal, axis, j), arm});
   };
   add(layout.sleeve_arms, "sleeve");
   add(layout.ring_arms, "ring");

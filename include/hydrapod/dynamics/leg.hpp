@@ -99,6 +99,8 @@ struct LegElement {
   Vector7 s_x{Vector7::Zero()};
   /// Lateral offset of the rod at the seal of the guide sleeve along t and a2, δ̇ = d_x ẋ.
   Eigen::Matrix<double, 2, leg_coordinates> d_x{Eigen::Matrix<double, 2, leg_coordinates>::Zero()};
+  /// Offset of the piston along t and a2 as the case sees it, u̇ = u_x ẋ.
+  Eigen::Matrix<double, 2, leg_coordinates> u_x{Eigen::Matrix<double, 2, leg_coordinates>::Zero()};
   /// The force that bends rod and case, Ḟ = F_x ẋ; zero where they do not bend.
   Eigen::Matrix<double, 2, leg_coordinates> F_x{Eigen::Matrix<double, 2, leg_coordinates>::Zero()};
 };
@@ -142,9 +144,9 @@ struct SealArm {
 inline constexpr std::size_t arms_per_seal = 3;
 using SealArms = std::array<SealArm, arms_per_seal>;
 
-/// Equally strong arms whose rates are `step` apart, fitted to k'(ω) and η at elastomer.frequency.
+/// Equally strong arms whose rates are a factor of 8 apart, fitted to k'(ω) and η at elastomer.frequency.
 /// `stiffness`: k of slow motions [N/m].
-SealArms seal_arms(double stiffness, const model::Elastomer& elastomer, double step = 8.0);
+SealArms seal_arms(double stiffness, const model::Elastomer& elastomer);
 
 /// The guide ring under a rod that swings.
 struct GuideEquivalent {

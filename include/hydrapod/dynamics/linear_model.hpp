@@ -152,9 +152,13 @@ model::Machine with_seal_dampers(model::Machine machine, ModelKind kind,
 
 /// The machine with the seals as stiff as the oil at rest at `X_BP` makes them
 /// (Elastomer::pressure_stiffening): k (1 + c (p − p_a)), p being the pressure of the rod side at
-/// guide sleeves, the mean of both sides at piston rings. Throws base::ComputationError where the
-/// supply does not hold a leg.
-model::Machine with_pressed_seals(model::Machine machine, const spatial::Pose& X_BP);
+/// guide sleeves, the mean of both sides at piston rings. As it is where no seal knows the pressure
+/// or the model has no seals. Throws base::ComputationError where the supply does not hold a leg.
+model::Machine with_pressed_seals(model::Machine machine, ModelKind kind,
+                                  const spatial::Pose& X_BP);
+
+/// K as slow motions meet it: seals that are elastomers have their `stiffness` alone.
+ModelMatrix slow_stiffness(const LinearModel& model);
 
 /// Of something that follows the coordinates of leg `leg` with `per_x`: its rate per y.
 ModelVector per_coordinate(const LinearModel& model, int leg, const Vector7& per_x);

@@ -83,8 +83,11 @@ struct StateLayout {
   int supply{-1};
   int bristles{-1};                 ///< first of 6
   int base{-1};                     ///< first of q_b, then as many of v_b
-  int arms{-1};                     ///< first of the seals' η
-  bool sleeve_arms{}, ring_arms{};  ///< which seals have some
+  int arms{-1};      ///< first of the seals' η
+  /// Per leg the first η of its guide sleeve and of its piston ring, arm by arm along t and a2; −1
+  /// where the seal is no elastomer.
+  std::array<int, model::leg_count> sleeve_arms{-1, -1, -1, -1, -1, -1};
+  std::array<int, model::leg_count> ring_arms{-1, -1, -1, -1, -1, -1};
   int size{};
   [[nodiscard]] int velocity() const { return positions; }
   [[nodiscard]] int tangent() const { return size - 1; }  ///< length of a small change of x
@@ -218,11 +221,6 @@ class Plant {
     double compliance{};  ///< 1/k_j [m/N], 0: they do not give way
     double force{};       ///< F_0 [N]
   };
-  /// Arms of the seals that are elastomers; without stiffness where a leg's seal is none.
-  struct Arms {
-    std::array<dynamics::SealArms, model::leg_count> of{};
-    int first{-1};  ///< place in x of the η of leg 1: arm by arm along t and a2; −1: there are none
-  };
   struct Work;  ///< intermediate results of one evaluation
   bool evaluate(const double* x, const PlantInput& input, double* rate, Work& work) const;
   struct OilConstants;
@@ -248,6 +246,9 @@ class Plant {
   void base_side(const double* x, const dynamics::Loads& loads, double* rate, Work& work) const;
   void set_gimbals(const Pose& X_reference);
   void set_arms();
+  /// each(leg, guide sleeve?, offset, arms, place of the first state) of every seal.
+  template <class Each>
+  void for_seals(const dynamics::Motion& motion, const Each& each) const;
   void arms_side(const double* x, double* rate, dynamics::Loads& loads, const Work& work) const;
   void arms_outputs(const double* x, const Work& work, PlantOutput& out) const;
   void arms_at_rest(Eigen::VectorXd& x) const;
@@ -259,7 +260,8 @@ class Plant {
   std::array<hydraulics::ServoAxis, model::leg_count> axes_{};
   std::array<OilSpring, model::leg_count> springs_{};
   std::array<Gimbals, model::leg_count> gimbals_{};
-  Arms sleeve_arms_{}, ring_arms_{};
+  /// Of the seals that are elastomers.
+  std::array<dynamics::SealArms, model::leg_count> sleeve_arms_{}, ring_arms_{};
   std::shared_ptr<const OilConstants> oil_constants_{};  ///< all legs side by side
   dynamics::MovingBase base_{};                          ///< `count` 0: stands still
   StateLayout layout_{};
