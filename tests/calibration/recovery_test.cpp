@@ -66,17 +66,20 @@ TEST(Recovery, ModesThatCrossOnTheWayKeepTheirNames) {
 
 /// Elastomers make the damped frequencies others than the undamped ones, by up to a tenth here.
 /// What `modes` prints of such a machine leads back to it.
+/// Frequencies of undamped modes would not do: taken for those, they give another ratio.
 TEST(Recovery, SealsThatAreElastomersComeBackFromTheirDampedModes) {
   test::Random random(77);
   const auto text = test::random_machine_text(random, false);
-  const std::vector<std::string> overrides{"legs.guide_sleeve.elastomer.dynamic_ratio=1.63",
-                                           "legs.guide_sleeve.elastomer.loss_factor=0.21",
-                                           "legs.guide_sleeve.elastomer.frequency=6.3 Hz"};
-  const auto truth = test::machine_file(text, overrides);
+  const auto elastomer = [&](double ratio) {
+    return test::machine_file(text,
+                              {fmt::format("legs.guide_sleeve.elastomer.dynamic_ratio={}", ratio),
+                               "legs.guide_sleeve.elastomer.loss_factor=0.43",
+                               "legs.guide_sleeve.elastomer.frequency=6.3 Hz"});
+  };
+  const auto truth = elastomer(2.63);
   const auto table =
       modal::mode_table(truth.machine, truth.machine.neutral(), dynamics::ModelKind::guide);
-  Targets targets;
-  double apart = 0.0;
+  Targets damped, undamped;
   for (std::size_t k = 0; k < table.real.modes.size(); ++k) {
     const auto& mode = table.real.modes[k];
     Eigen::Index direction = 0;
@@ -86,22 +89,19 @@ TEST(Recovery, SealsThatAreElastomersComeBackFromTheirDampedModes) {
                       .omega = mode.mode.omega,
                       .deviation = 1e-4 * mode.mode.omega};
     target.direction = static_cast<int>(direction);
-    targets.modes.push_back(target);
-    apart = std::max(
-        apart, std::abs(table.real.normal.omega(static_cast<int>(k)) / mode.mode.omega - 1.0));
+    damped.modes.push_back(target);
+    target.omega = table.real.normal.omega(static_cast<int>(k));
+    undamped.modes.push_back(target);
   }
-  ASSERT_GE(targets.modes.size(), 5U);
-  EXPECT_GT(apart, 0.01);
-  const double k_s = truth.machine.legs[0].guide_sleeve.stiffness;
-  const auto start = test::machine_file(
-      text, {overrides[1], overrides[2], "legs.guide_sleeve.elastomer.dynamic_ratio=1.3",
-             fmt::format("legs.guide_sleeve.stiffness={}", 0.8 * k_s)});
-  const auto best = fit(start, targets,
-                        test::free_paths({"legs.guide_sleeve.stiffness",
-                                          "legs.guide_sleeve.elastomer.dynamic_ratio"}),
-                        ModelKind::guide, 3);
-  EXPECT_NEAR(best.parameters[0].value, k_s, 1e-4 * k_s);
-  EXPECT_NEAR(best.parameters[1].value, 1.63, 1e-4);
+  ASSERT_GE(damped.modes.size(), 5U);
+  const auto ratio = [&](const Targets& targets) {
+    return fit(elastomer(2.1), targets,
+               test::free_paths({"legs.guide_sleeve.elastomer.dynamic_ratio"}), ModelKind::guide, 3)
+        .parameters[0]
+        .value;
+  };
+  EXPECT_NEAR(ratio(damped), 2.63, 1e-5);
+  EXPECT_GT(std::abs(ratio(undamped) - 2.63), 1e-3);
 }
 
 /// Without names the squares have a valley at the crossing; other starts find the way out of it.
