@@ -87,7 +87,8 @@ void VariedMachine::at(const std::vector<double>& values, Machine& result) const
 }
 
 ModePoint mode_point(const Machine& machine, std::size_t pose, dynamics::ModelKind kind) {
-  ModePoint point{.model = dynamics::linear_model(machine, pose_of(machine, pose), kind)};
+  ModePoint point;  // an initialiser list would set all of its 76 kB to zero
+  point.model = dynamics::linear_model(machine, pose_of(machine, pose), kind);
   point.modes = modal::normal_modes(point.model);
   if (!point.modes.omega2.allFinite())
     throw base::ComputationError("the modes are not finite with these values");
@@ -101,6 +102,8 @@ void add_derivatives(const VariedMachine& machine, const std::vector<double>& va
   point.derivatives.clear();
   point.center_derivatives.clear();
   point.against_base_derivatives.clear();
+  point.derivatives.reserve(scales.size());
+  point.against_base_derivatives.reserve(scales.size());
   Machine workspace;
   const auto model_of = [&](const std::vector<double>& at) {
     machine.at(at, workspace);

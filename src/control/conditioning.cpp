@@ -29,7 +29,8 @@ ConditionedDrive condition(const ControllerParameters& parameters, int leg, doub
                            const AxisSpeeds& speeds) {
   const auto& output = parameters.output;
   double drive = speed / (speed > 0.0 ? speeds.extending : speeds.retracting);
-  drive += jump(parameters, leg) * std::clamp(drive / overlap_ramp, -1.0, 1.0);
+  if (const double over = jump(parameters, leg); over > 0.0)
+    drive += over * std::clamp(drive / overlap_ramp, -1.0, 1.0);
   drive = output.scale[leg] * drive + output.offset[leg];
   const bool limited = std::abs(drive) > output.limit;
   drive = std::clamp(drive, -output.limit, output.limit);

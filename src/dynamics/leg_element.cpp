@@ -6,6 +6,7 @@
 
 #include "hydrapod/hydraulics/servo_axis.hpp"
 #include "leg_beams.hpp"
+#include "straight_leg.hpp"
 
 namespace hydrapod::dynamics {
 
@@ -65,12 +66,12 @@ void add_gimbal_rotations(const model::Leg& leg, double l, const LegFrame& frame
 
 /// Springs or dampers of a straight leg: guide sleeve `at_sleeve`, piston ring `at_ring`, axial
 /// `axial`.
-Matrix7 lateral_and_axial(const LegElement& leg, double at_sleeve, double at_ring, double axial) {
-  Matrix7 A = at_sleeve * leg.d_x.transpose() * leg.d_x;
+void set_lateral_and_axial(const LegElement& leg, double at_sleeve, double at_ring, double axial,
+                           Matrix7& A) {
+  A.noalias() = at_sleeve * leg.d_x.transpose() * leg.d_x;
   A(5, 5) += at_ring;
   A(6, 6) += at_ring;
   A(2, 2) += axial;
-  return A;
 }
 
 }  // namespace
@@ -102,6 +103,12 @@ LegFrame leg_frame(const Vector3& n, const Vector3& a1, model::FlexibleAxes axes
 LegElement straight_leg(const model::Leg& leg, const kinematics::LegGeometry& geometry,
                         model::FlexibleAxes axes) {
   LegElement element;
+  set_straight_leg(leg, geometry, axes, element);
+  return element;
+}
+
+void set_straight_leg(const model::Leg& leg, const kinematics::LegGeometry& geometry,
+                      model::FlexibleAxes axes, LegElement& element) {
   element.frame = leg_frame(geometry.n, leg.gimbal_axis, axes);
   element.l = geometry.length;
   element.l_m = geometry.length - leg.rod.length;
@@ -137,10 +144,9 @@ LegElement straight_leg(const model::Leg& leg, const kinematics::LegGeometry& ge
   if (axes == model::FlexibleAxes::gimbal)
     add_gimbal_rotations(leg, element.l, element.frame, element.M);
 
-  element.K = lateral_and_axial(element, at_sleeve, element.k_g, element.k_h);
-  element.C = lateral_and_axial(element, leg.guide_sleeve.damping,
-                                leg.piston_ring ? leg.piston_ring->damping : 0.0, axial.damping);
-  return element;
+  set_lateral_and_axial(element, at_sleeve, element.k_g, element.k_h, element.K);
+  set_lateral_and_axial(element, leg.guide_sleeve.damping,
+                        leg.piston_ring ? leg.piston_ring->damping : 0.0, axial.damping, element.C);
 }
 
 }  // namespace hydrapod::dynamics

@@ -13,6 +13,7 @@
 #include "oil_chambers.hpp"
 #include "payload.hpp"
 #include "statics_search.hpp"
+#include "straight_leg.hpp"
 
 namespace hydrapod::dynamics {
 
@@ -156,10 +157,11 @@ void find_equilibrium(const model::Machine& machine, const kinematics::LegGeomet
 LinearModel assembled(const model::Machine& machine, const spatial::Pose& X_BP, ModelKind kind,
                       const std::vector<int>& base, const StaticsSearch& search) {
   check_piston_rings(machine, kind);
-  LinearModel model{.kind = kind,
-                    .X_BP = X_BP,
-                    .p_BC = kinematics::mass_center(machine, X_BP),
-                    .base_directions = base};
+  LinearModel model;  // an initialiser list would set all of its 60 kB to zero
+  model.kind = kind;
+  model.X_BP = X_BP;
+  model.p_BC = kinematics::mass_center(machine, X_BP);
+  model.base_directions = base;
   const auto geometry = kinematics::inverse_kinematics(machine, X_BP);
   const int dof = degrees_of_freedom(kind);
   model.platform_mass = platform_mass(machine.platform, X_BP.R_BP);
@@ -174,7 +176,7 @@ LinearModel assembled(const model::Machine& machine, const spatial::Pose& X_BP, 
   if (machine.gravity.isZero(0.0)) {
     model.statics.status = StaticsStatus::converged;
     for (int i = 0; i < model::leg_count; ++i)
-      model.legs[i] = straight_leg(machine.legs[i], geometry[i], machine.flexible_axes);
+      set_straight_leg(machine.legs[i], geometry[i], machine.flexible_axes, model.legs[i]);
   } else {
     find_equilibrium(machine, geometry, search, model);
   }

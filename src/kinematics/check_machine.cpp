@@ -55,7 +55,7 @@ struct Failing {
 struct LegsAtPose {
   const model::Machine& machine;
   Vector6 length{};
-  std::array<JointAngles, model::leg_count> angles{};
+  std::array<JointAngles, model::leg_count> angles{};  ///< known where a joint has a limit
 
   [[nodiscard]] double piston(int i) const { return length[i] - machine.legs[i].rod.length; }
 };
@@ -116,7 +116,8 @@ std::string sleeve_text(const LegsAtPose& at, int i) {
 /// One finding for all legs with the same cause. Where a leg is too short or too long, its sleeve
 /// and its joints are off for the same cause.
 void check_legs(const model::Machine& machine, const Pose& X_BP, Findings& findings) {
-  const LegsAtPose at{machine, leg_lengths(machine, X_BP), joint_angles(machine, X_BP)};
+  LegsAtPose at{machine, leg_lengths(machine, X_BP)};
+  if (has_joint_limits(machine)) at.angles = joint_angles(machine, X_BP);
   const auto add = [&](const Failing& legs, auto text, const char* advice = "") {
     if (legs.numbers.empty()) return false;
     findings.error(text(at, legs.index()) + legs.others() + advice);
@@ -143,8 +144,8 @@ void check_legs(const model::Machine& machine, const Pose& X_BP, Findings& findi
 }
 
 void check_singular(const model::Machine& machine, const Pose& X_BP, Findings& findings) {
+  if (!is_singular(machine, X_BP)) return;
   const auto quality = pose_quality(machine, X_BP);
-  if (quality.condition < singular_condition) return;
   constexpr double shown = 0.005;  // below this two decimals say 0.00, and must not say -0.00
   const Vector6 d =
       (quality.weakest_direction.array().abs() < shown).select(0.0, quality.weakest_direction);

@@ -1,23 +1,48 @@
 #include "hydrapod/kinematics/legs.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <Eigen/SVD>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 namespace hydrapod::kinematics {
 
-PoseQuality pose_quality(const model::Machine& machine, const Pose& X_BP) {
+namespace {
+
+/// J D⁻¹ about the mean of the platform joints.
+struct ScaledJacobian {
+  double length{};  ///< r
+  Matrix6 J{};
+};
+
+ScaledJacobian scaled_jacobian(const model::Machine& machine, const Pose& X_BP) {
   const auto legs = inverse_kinematics(machine, X_BP);
   Vector3 center = Vector3::Zero();
   for (const auto& leg : legs) center += leg.a / model::leg_count;
   double sum = 0.0;
   for (const auto& leg : legs) sum += (leg.a - center).squaredNorm();
+  ScaledJacobian scaled{.length = std::sqrt(sum / model::leg_count),
+                        .J = leg_jacobian(legs, center)};
+  scaled.J.rightCols<3>() /= scaled.length;
+  return scaled;
+}
 
-  PoseQuality quality;
-  quality.characteristic_length = std::sqrt(sum / model::leg_count);
-  Matrix6 J = leg_jacobian(legs, center);
-  J.rightCols<3>() /= quality.characteristic_length;
+/// No less than the condition, without singular values: 2 (|J|/√6)⁶ / |det J| in the norm of
+/// Frobenius (H. W. Guggenheimer, A. S. Edelman, C. R. Johnson, College Mathematics Journal 26
+/// (1995) 2).
+double largest_condition(const Matrix6& J) {
+  const double mean = J.squaredNorm() / 6.0;
+  return 2.0 * mean * mean * mean / std::abs(J.partialPivLu().determinant());
+}
+
+}  // namespace
+
+PoseQuality pose_quality(const model::Machine& machine, const Pose& X_BP) {
+  const auto [length, J] = scaled_jacobian(machine, X_BP);
+  PoseQuality quality{.characteristic_length = length};
   if (!J.allFinite()) {  // a leg of no length has no direction, and the pose no singular values
     quality.singular_values.setZero();
     quality.weakest_direction.setZero();
@@ -37,6 +62,21 @@ PoseQuality pose_quality(const model::Machine& machine, const Pose& X_BP) {
   return quality;
 }
 
+double pose_condition(const model::Machine& machine, const Pose& X_BP) {
+  const Matrix6 J = scaled_jacobian(machine, X_BP).J;
+  // Rounding of JᵀJ changes the squares of the smallest singular values by up to a few ε κ².
+  constexpr double squares_serve = 100.0;
+  if (!(largest_condition(J) < squares_serve)) return pose_quality(machine, X_BP).condition;
+  const Matrix6 squares = J.transpose() * J;
+  const Eigen::SelfAdjointEigenSolver<Matrix6> eigen(squares, Eigen::EigenvaluesOnly);
+  return std::sqrt(eigen.eigenvalues()[5] / eigen.eigenvalues()[0]);
+}
+
+bool is_singular(const model::Machine& machine, const Pose& X_BP) {
+  if (largest_condition(scaled_jacobian(machine, X_BP).J) < singular_condition) return false;
+  return !(pose_quality(machine, X_BP).condition < singular_condition);
+}
+
 namespace {
 
 double angle_between(const Vector3& u, const Vector3& v) {
@@ -52,6 +92,12 @@ std::pair<double, double> gimbal_angles(const Vector3& a1, const Vector3& n0, co
 }
 
 }  // namespace
+
+bool has_joint_limits(const model::Machine& machine) {
+  return std::ranges::any_of(machine.legs, [](const model::Leg& leg) {
+    return leg.joint_limits.base || leg.joint_limits.platform;
+  });
+}
 
 std::array<JointAngles, model::leg_count> joint_angles(const model::Machine& machine,
                                                        const Pose& X_BP) {

@@ -145,7 +145,9 @@ NormalModes ascending(const Eigen::Ref<const Eigen::VectorXd>& omega2,
   std::iota(order.begin(), order.begin() + size, 0);
   std::sort(order.begin(), order.begin() + size,
             [&](int a, int b) { return omega2[a] < omega2[b]; });
-  NormalModes modes{.omega2 = ModelVector(size), .shapes = ModelMatrix(size, size)};
+  NormalModes modes;
+  modes.omega2.resize(size);
+  modes.shapes.resize(size, size);
   for (int k = 0; k < size; ++k) {
     modes.omega2[k] = omega2[order[k]];
     modes.shapes.col(k) = shapes.col(order[k]);

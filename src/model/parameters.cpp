@@ -98,28 +98,37 @@ const std::vector<std::size_t>& tables_above() {
   return tables;
 }
 
-void set(Machine& machine, const ParameterId& id, int index, double value) {
-  const auto rows = parameter_table();
-  const auto& above = tables_above();
-  for (std::size_t r = id.row;; r = above[r]) {
-    if (rows[r].instead != nullptr) rows[r].instead(machine, index);
-    if (above[r] == r) break;
-  }
-  const auto& row = rows[id.row];
-  if (row.set != nullptr) return row.set(machine, index, id.element, value);
-  if (id.element != whole) {
-    *row.make(machine, index, id.element) = value;
-    return;
-  }
-  for (int element = 0; element < row.numbers; ++element)
-    *row.make(machine, index, element) = value;
+/// Per row, the functions `instead` of the row and of the tables above it.
+const std::vector<std::vector<decltype(ParameterRow::instead)>>& replacements() {
+  static const auto all = [] {
+    const auto rows = parameter_table();
+    const auto& above = tables_above();
+    std::vector<std::vector<decltype(ParameterRow::instead)>> found(rows.size());
+    for (std::size_t row = 0; row < rows.size(); ++row)
+      for (std::size_t r = row;; r = above[r]) {
+        if (rows[r].instead != nullptr) found[row].push_back(rows[r].instead);
+        if (above[r] == r) break;
+      }
+    return found;
+  }();
+  return all;
 }
 
 void set(Machine& machine, const Assignment& assignment) {
   const auto& id = assignment.id;
-  if (!is_of_legs(row_of(id))) return set(machine, id, id.of - 1, assignment.value);
+  const double value = assignment.value;
+  const auto& row = row_of(id);
+  const auto& replacing = replacements()[id.row];
+  const auto set_in = [&](int index) {
+    for (const auto replace : replacing) replace(machine, index);
+    if (row.set != nullptr) return row.set(machine, index, id.element, value);
+    const bool all = id.element == whole;
+    const int first = all ? 0 : id.element, end = all ? row.numbers : first + 1;
+    for (int element = first; element < end; ++element) *row.make(machine, index, element) = value;
+  };
+  if (!is_of_legs(row)) return set_in(id.of - 1);
   for (int leg = 0; leg < leg_count; ++leg)
-    if ((id.legs >> leg & 1) != 0) set(machine, id, leg, assignment.value);
+    if ((id.legs >> leg & 1) != 0) set_in(leg);
 }
 
 /// Does the id stand for all legs, or for joints that all legs share?

@@ -15,8 +15,8 @@ namespace {
 constexpr int lanes = 8;  // frequencies that go through together
 using Reals = Eigen::Array<double, lanes, 1>;
 
-/// One complex number per lane.
-struct Numbers {
+/// One complex number per lane, in cache lines of its own.
+struct alignas(64) Numbers {
   Reals re, im;
 };
 
@@ -52,13 +52,18 @@ inline Numbers stiffness(const ResponseModel& model, const Frequencies& f, int i
 template <int n>
 void factor(Block<n, n>& A) {
   for (int j = 0; j < n; ++j) {
+    Numbers pivot = A[j][j];
     for (int k = 0; k < j; ++k) {
       const Numbers scaled = A[j][k];  // L_jk d_k, still unscaled
       A[j][k] = scaled * A[k][k];
-      A[j][j] -= A[j][k] * scaled;
-      for (int i = j + 1; i < n; ++i) A[i][j] -= A[i][k] * A[j][k];
+      pivot -= A[j][k] * scaled;
     }
-    A[j][j] = reciprocal(A[j][j]);
+    A[j][j] = reciprocal(pivot);
+    for (int i = j + 1; i < n; ++i) {
+      Numbers below = A[i][j];
+      for (int k = 0; k < j; ++k) below -= A[i][k] * A[j][k];
+      A[i][j] = below;
+    }
   }
 }
 
@@ -86,9 +91,12 @@ void eliminate_leg(const ResponseModel& model, const Lines& f, int at, Block<6, 
   Block<n, 6> Z;
   for (int i = 0; i < n; ++i)
     for (int c = 0; c < 6; ++c) Z[i][c] = D[i][i] * Y[i][c];
-  for (int k = 0; k < n; ++k)
-    for (int r = 0; r < 6; ++r)
-      for (int c = 0; c <= r; ++c) S[r][c] -= Y[k][r] * Z[k][c];
+  for (int r = 0; r < 6; ++r)
+    for (int c = 0; c <= r; ++c) {
+      Numbers sum = S[r][c];
+      for (int k = 0; k < n; ++k) sum -= Y[k][r] * Z[k][c];
+      S[r][c] = sum;
+    }
   if (!model.loads_flexible) return;
   Block<n, 6> B;
   for (int i = 0; i < n; ++i)
@@ -100,24 +108,25 @@ void eliminate_leg(const ResponseModel& model, const Lines& f, int at, Block<6, 
 }
 
 /// S⁻¹ of the complex symmetric 6×6 S (lower triangle in, whole matrix out).
-Block<6, 6> inverse(Block<6, 6>& S) {
+inline Block<6, 6> inverse(Block<6, 6>& S) {
   factor<6>(S);
-  Block<6, 6> Z;  // L⁻¹
-  for (auto& row : Z) row.fill({Reals::Zero(), Reals::Zero()});
+  Block<6, 6> Z, D_Z;  // L⁻¹ below its diagonal of ones, and d L⁻¹
   for (int i = 0; i < 6; ++i) {
-    Z[i][i].re.setOnes();
-    for (int k = 0; k < i; ++k)
-      for (int c = 0; c <= k; ++c) Z[i][c] -= S[i][k] * Z[k][c];
+    D_Z[i][i] = S[i][i];
+    for (int c = 0; c < i; ++c) {
+      Numbers sum{-S[i][c].re, -S[i][c].im};
+      for (int k = c + 1; k < i; ++k) sum -= S[i][k] * Z[k][c];
+      Z[i][c] = sum;
+      D_Z[i][c] = S[i][i] * sum;
+    }
   }
   Block<6, 6> G;
-  for (auto& row : G) row.fill({Reals::Zero(), Reals::Zero()});
-  for (int k = 0; k < 6; ++k)
-    for (int c = 0; c <= k; ++c) {
-      const Numbers scaled = S[k][k] * Z[k][c];
-      for (int r = c; r <= k; ++r) G[r][c] += Z[k][r] * scaled;
-    }
   for (int r = 0; r < 6; ++r)
-    for (int c = r + 1; c < 6; ++c) G[r][c] = G[c][r];
+    for (int c = 0; c <= r; ++c) {
+      Numbers sum = D_Z[r][c];
+      for (int k = r + 1; k < 6; ++k) sum += Z[k][r] * D_Z[k][c];
+      G[r][c] = G[c][r] = sum;
+    }
   return G;
 }
 

@@ -153,6 +153,13 @@ void dense(const ResponseModel& model, std::span<const double> omega, std::span<
   }
 }
 
+/// All 72 numbers in one sum, which is faster than one after the other.
+bool is_finite(const Matrix6c& H) {
+  const Eigen::Map<const Eigen::Array<double, 72, 1>> numbers(
+      reinterpret_cast<const double*>(H.data()));
+  return (0.0 * numbers).sum() == 0.0;
+}
+
 }  // namespace
 
 ResponseModel response_model(const LinearModel& model, const NormalModes& modes, double modal_ratio,
@@ -215,7 +222,7 @@ std::vector<Matrix6c> frequency_response(const ResponseModel& model, std::span<c
   if (chosen == Method::elimination) {
     eliminate(model, omega, H);
     for (size_t i = 0; i < H.size(); ++i)
-      if (!H[i].allFinite()) dense(model, omega.subspan(i, 1), {&H[i], 1});
+      if (!is_finite(H[i])) dense(model, omega.subspan(i, 1), {&H[i], 1});
   }
   if (output != Output::displacement)
     for (size_t i = 0; i < H.size(); ++i) H[i] *= output_factor(output, omega[i]);

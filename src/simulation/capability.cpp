@@ -226,7 +226,7 @@ class Excursion {
       if (limits.platform && at.platform_tilt > *limits.platform)
         return Reach{.limit = Limit::platform_joint, .leg = i};
     }
-    if (!(kinematics::pose_quality(machine_, X).condition < kinematics::singular_condition))
+    if (kinematics::is_singular(machine_, X))
       return Reach{.limit = Limit::singular};
     return {};
   }

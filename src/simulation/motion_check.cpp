@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -15,12 +14,6 @@ namespace {
 
 constexpr double degrees = 180.0 / std::numbers::pi;
 constexpr double quality_interval = 0.01;  // [s] between two looks at conditioning
-
-bool has_joint_limits(const model::Machine& machine) {
-  return std::ranges::any_of(machine.legs, [](const model::Leg& leg) {
-    return leg.joint_limits.base || leg.joint_limits.platform;
-  });
-}
 
 /// The largest excess of its kind so far.
 struct Worst {
@@ -44,7 +37,7 @@ class MotionCheck {
       : plant_(plant), machine_(plant.machine()) {
     for (size_t i = 0; i < model::leg_count; ++i)
       speeds_[i] = control::full_drive_speeds(parameters.axes[i], parameters.axes[i].load);
-    has_joint_limits_ = has_joint_limits(machine_);
+    has_joint_limits_ = kinematics::has_joint_limits(machine_);
   }
 
   void see(double time, const control::Command& command) {
@@ -65,7 +58,7 @@ class MotionCheck {
   }
 
   void see_quality(double time, const Pose& X_BP) {
-    const double condition = kinematics::pose_quality(machine_, X_BP).condition;
+    const double condition = kinematics::pose_condition(machine_, X_BP);
     singular_.see(condition - kinematics::singular_condition, time, condition);
   }
 
@@ -159,33 +152,11 @@ std::vector<MotionFinding> check_motion(const Plant& plant,
   return check.findings();
 }
 
-namespace {
-
-/// Above PoseQuality::condition, without singular values: 2 (|J|/√6)⁶ / |det J| in the norm of
-/// Frobenius (H. W. Guggenheimer, A. S. Edelman, C. R. Johnson, College Mathematics Journal 26
-/// (1995) 2). Most poses are far from singular ones, and this says so in a tenth of the time.
-double largest_condition(const model::Machine& machine, const Pose& X_BP) {
-  const auto legs = kinematics::inverse_kinematics(machine, X_BP);
-  Vector3 center = Vector3::Zero();
-  for (const auto& leg : legs) center += leg.a / model::leg_count;
-  double squares = 0.0;
-  for (const auto& leg : legs) squares += (leg.a - center).squaredNorm() / model::leg_count;
-  kinematics::Matrix6 J = kinematics::leg_jacobian(legs, center);
-  J.rightCols<3>() /= std::sqrt(squares);
-  const double mean = J.squaredNorm() / 6.0;
-  return 2.0 * mean * mean * mean / std::abs(J.partialPivLu().determinant());
-}
-
-}  // namespace
-
 std::string leaves_workspace(const model::Machine& machine, const Pose& X_BP) {
-  if (!(largest_condition(machine, X_BP) < kinematics::singular_condition)) {
-    const double condition = kinematics::pose_quality(machine, X_BP).condition;
-    if (!(condition < kinematics::singular_condition))
-      return fmt::format(
-          "the platform has reached a singular pose: condition of the Jacobian {:.2g}", condition);
-  }
-  if (!has_joint_limits(machine)) return {};
+  if (kinematics::is_singular(machine, X_BP))
+    return fmt::format("the platform has reached a singular pose: condition of the Jacobian {:.2g}",
+                       kinematics::pose_quality(machine, X_BP).condition);
+  if (!kinematics::has_joint_limits(machine)) return {};
   const auto angles = kinematics::joint_angles(machine, X_BP);
   for (size_t i = 0; i < model::leg_count; ++i) {
     const auto& limits = machine.legs[i].joint_limits;

@@ -44,7 +44,7 @@ struct OilRates {
 };
 
 struct Plant::Work {
-  dynamics::Motion motion{};
+  dynamics::Motion motion;  ///< braces would set its legs, 6 kB, to zero
   OilState oil_state;
   OilRates oil;
   std::array<LegOutput, model::leg_count> legs{};  ///< without hydraulics

@@ -39,7 +39,9 @@ NormalModes ascending(const ModeNumbers<double, flexible>& found) {
   std::iota(order.begin(), order.end(), 0);
   std::sort(order.begin(), order.end(),
             [&](int a, int b) { return found.omega2[a] < found.omega2[b]; });
-  NormalModes modes{.omega2 = dynamics::ModelVector(size), .shapes = ModelMatrix(size, size)};
+  NormalModes modes;
+  modes.omega2.resize(size);
+  modes.shapes.resize(size, size);
   for (int k = 0; k < size; ++k) {
     modes.omega2[k] = found.omega2[order[k]];
     std::copy_n(found.shapes[order[k]], size, modes.shapes.col(k).data());

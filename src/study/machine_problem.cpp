@@ -162,7 +162,7 @@ class Evaluation {
     const PoseNumbers now(machine_, X_BP);
     if (!checked_ || !(now == *checked_)) {
       reached_ = !has_error(kinematics::check_pose(machine_, X_BP, ""));
-      if (reached_) condition_ = kinematics::pose_quality(machine_, X_BP).condition;
+      if (reached_) condition_ = kinematics::pose_condition(machine_, X_BP);
       stroke_left_ = kinematics::stroke_left(machine_, X_BP);
       checked_ = now;
     }

@@ -134,12 +134,34 @@ TEST(PoseQuality, QuarterTurnIsSingular) {
   EXPECT_NEAR(condition(1e-4) / condition(1e-3), 10.0, 0.01);
 }
 
+/// At random poses and on the way to a singular one.
+TEST(PoseQuality, ConditionAloneIsThatOfTheSingularValues) {
+  double worst = 0.0;
+  const auto compare = [&](const model::Machine& machine, const Pose& X_BP) {
+    const double condition = pose_quality(machine, X_BP).condition;
+    worst = std::max(worst, std::abs(kinematics::pose_condition(machine, X_BP) / condition - 1.0));
+    EXPECT_EQ(kinematics::is_singular(machine, X_BP), condition >= kinematics::singular_condition);
+  };
+  Random random(1917);
+  for (int k = 0; k < 300; ++k) {
+    const auto machine = random_machine(random);
+    for (const auto& pose : machine.poses) compare(machine, pose.X_BP);
+  }
+  const auto machine = published_machine();
+  for (double away = 1.3; away > 1e-8; away *= 0.83)
+    compare(machine, turned_about_z(machine.neutral(), right_angle - away));
+  EXPECT_LE(worst, 1e-11);
+  RecordProperty("worst", fmt::format("{:.1e}", worst));
+}
+
 TEST(PoseQuality, OfALegWithoutLengthIsSingular) {
   auto machine = published_machine();
   machine.legs[0].base_joint = machine.neutral() * machine.legs[0].platform_joint;
   const auto quality = pose_quality(machine, machine.neutral());
   EXPECT_TRUE(std::isinf(quality.condition));
   EXPECT_TRUE(quality.weakest_direction.allFinite());
+  EXPECT_TRUE(std::isinf(kinematics::pose_condition(machine, machine.neutral())));
+  EXPECT_TRUE(kinematics::is_singular(machine, machine.neutral()));
 }
 
 TEST(JointAngles, AreZeroAtTheNeutralPose) {

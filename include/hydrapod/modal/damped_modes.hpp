@@ -66,9 +66,9 @@ using dynamics::ModelMatrix;
 using dynamics::ModelVector;
 using dynamics::NormalModes;
 
-/// Change of a model per change of a parameter.
+/// Change of a model per change of a parameter. Not on the stack: there are many at a time.
 struct ModelDerivative {
-  ModelMatrix M{}, K{}, C{};
+  Eigen::MatrixXd M{}, K{}, C{};
   /// Arms of the model by `step` above and below, where it has any: those of a leg can trade
   /// places, and only their sums have derivatives.
   std::vector<dynamics::RelaxingArm> arms_above{}, arms_below{};
