@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/command.hpp"
@@ -9,22 +11,29 @@ namespace {
 
 struct Arguments {
   MachineArguments machine{};
-  std::string stiffness{}, mass{}, damping{}, punch{}, at{"0,0,0"}, damping_ratio{}, output{};
+  std::string stiffness{}, mass{}, damping{}, punch{}, uff{}, at{"0,0,0"}, damping_ratio{},
+      output{};
   int grid{exchange::dmig_platform}, modes{};
   bool add_mass{};
 };
 
 tasks::AttachOptions options_of(const Arguments& arguments, std::size_t there) {
   tasks::AttachOptions options;
-  if (arguments.punch.empty() == arguments.stiffness.empty())
-    base::refuse("attach", "expected --stiffness and --mass (Matrix Market), or --punch (Nastran)");
+  const std::string& one_file = arguments.punch.empty() ? arguments.uff : arguments.punch;
+  if (int(!arguments.stiffness.empty()) + int(!arguments.punch.empty()) +
+          int(!arguments.uff.empty()) !=
+      1)
+    base::refuse("attach",
+                 "expected --stiffness and --mass (Matrix Market), or --punch (Nastran), or --uff "
+                 "(Universal File)");
   if (!arguments.stiffness.empty() && arguments.mass.empty())
     base::refuse("--stiffness " + arguments.stiffness, "needs --mass, the mass matrix");
-  if (!arguments.punch.empty() && !(arguments.mass.empty() && arguments.damping.empty()))
-    base::refuse("--punch " + arguments.punch,
+  if (!one_file.empty() && !(arguments.mass.empty() && arguments.damping.empty()))
+    base::refuse((arguments.punch.empty() ? "--uff " : "--punch ") + one_file,
                  "has mass and damping in it; leave --mass and "
                  "--damping out");
-  options.stiffness = arguments.punch.empty() ? arguments.stiffness : arguments.punch;
+  options.stiffness = one_file.empty() ? arguments.stiffness : one_file;
+  options.universal = !arguments.uff.empty();
   options.mass = arguments.mass;
   options.damping = arguments.damping;
   options.grid = arguments.grid;
@@ -39,18 +48,21 @@ tasks::AttachOptions options_of(const Arguments& arguments, std::size_t there) {
 
 std::string attached_text(const tasks::Attached& attached, const TableStyle& style) {
   Table table({"<mode", "Hz", "damping", "mass kg", "<along"});
-  for (const auto& mode : attached.payload.modes) {
+  const auto& payload = attached.payload;
+  const double rounding = 1e-9 * payload.mass(0, 0);
+  for (const auto& mode : payload.modes) {
     const spatial::Vector3& l = *mode.participation;
     const double size = l.norm();
+    const auto part = [&](double value) { return std::round(1e3 * value / size) / 1e3 + 0.0; };
+    const bool turns = size * size < rounding;
     table.add_row(
         {mode.name, fmt::format("{:.3f}", mode.frequency),
-         fmt::format("{:.2f} %", 100.0 * mode.damping_ratio), fmt::format("{:.4g}", size * size),
-         size > 0.0
-             ? fmt::format("{:.3f}, {:.3f}, {:.3f}", l.x() / size, l.y() / size, l.z() / size)
-             : "rotation"});
+         fmt::format("{:.2f} %", 100.0 * mode.damping_ratio),
+         fmt::format("{:.4g}", turns ? 0.0 : size * size),
+         turns ? "rotation"
+               : fmt::format("{:.3f}, {:.3f}, {:.3f}", part(l.x()), part(l.y()), part(l.z()))});
   }
   std::string text = table.text(style);
-  const auto& payload = attached.payload;
   text += fmt::format("mass of the structure: {:.5g} kg\n", payload.mass(0, 0));
   if (payload.first_left_out > 0.0)
     text +=
@@ -77,7 +89,9 @@ void add_attach(Command app) {
       {{"attach machine.toml --stiffness cabin.K.mtx --mass cabin.M.mtx --add-mass -o cabin.toml",
         "a superelement in Matrix Market files, whose mass the file does not contain"},
        {"attach machine.toml --punch cabin.pch --at \"0,0,0.3\" -o cabin.toml",
-        "a Nastran punch file, its interface 0.3 m above the joints"}});
+        "a Nastran punch file, its interface 0.3 m above the joints"},
+       {"attach machine.toml --uff cabin.unv --grid 11 -o cabin.toml",
+        "a Universal File: matrices, or modes of cabin and free platform, which is node 11"}});
   auto& arguments = command.calls(&run);
   add_machine_options(command, arguments.machine);
   command.add_options(
@@ -95,7 +109,14 @@ void add_attach(Command app) {
         arguments.punch,
         "Nastran punch file with DMIG matrices K…, M… and B…",
         {.file = FileUse::input}},
-       {"--grid", arguments.grid, "Grid point of a punch file that is the platform",
+       {"--uff",
+        arguments.uff,
+        "Universal File with matrices of a superelement (dataset 252 or 2453), or with normal "
+        "modes of structure and free platform (dataset 55)",
+        {.file = FileUse::input}},
+       {"--grid", arguments.grid,
+        "Grid point of a punch file, or node of the modes in a Universal File, that is the "
+        "platform",
         range(1, 99999999)},
        {"--at", arguments.at,
         "Interface on the platform, \"x,y,z\" in its frame; default: its "
@@ -103,7 +124,7 @@ void add_attach(Command app) {
        {"--modes", arguments.modes, "Modes that are kept, the lowest; default: six in all",
         range(1, model::most_payload_modes)},
        {"--damping-ratio", arguments.damping_ratio,
-        "Of modes where no damping matrix is given: 0.02 or \"2 %\""},
+        "Of modes whose damping the files do not state: 0.02 or \"2 %\""},
        {"--add-mass", arguments.add_mass,
         "Add mass and inertia of the structure to those of the platform"},
        {"-o,--output",

@@ -263,13 +263,14 @@ using NodeValues = std::map<std::pair<int, int>, Complex>;  // (node, component)
 
 struct Mode {
   Complex pole{};
+  double modal_mass{};  ///< 0: not known
   NodeValues values{};
   std::vector<std::string> id_lines{};
 };
 
 class ModeReader {
  public:
-  ModeReader(const UffMode& dataset, Notes& notes) : dataset_(dataset), notes_(notes) {}
+  ModeReader(const UffLines& dataset, Notes& notes) : dataset_(dataset), notes_(notes) {}
 
   /// None for analyses that are no modes.
   std::optional<Mode> read() {
@@ -286,6 +287,7 @@ class ModeReader {
     if (analysis == normal) {
       const double omega = base::two_pi * numbers[0], zeta = numbers[2];
       mode.pole = {-zeta * omega, omega * std::sqrt(std::max(0.0, 1.0 - zeta * zeta))};
+      mode.modal_mass = numbers[1];
     } else {
       mode.pole = {numbers[0], numbers[1]};
     }
@@ -302,7 +304,9 @@ class ModeReader {
   /// Speeds are λ times displacements, accelerations λ² times.
   void become_displacements(long long quantity, Mode& mode) {
     const int derivatives = quantity == code::acceleration ? 2 : quantity == code::speed ? 1 : 0;
-    if (derivatives == 0 || mode.pole == 0.0) return;
+    if (derivatives == 0) return;
+    mode.modal_mass = 0.0;  // that of another scale
+    if (mode.pole == 0.0) return;
     notes_.add(
         fmt::format("the shapes are {}: divided by λ{} they are displacements",
                     derivatives == 2 ? "accelerations" : "speeds", derivatives == 2 ? "²" : ""),
@@ -313,6 +317,10 @@ class ModeReader {
   /// Beside angles lengths must be in metres.
   void become_metres(Mode& mode) const {
     if (!dataset_.units) return;
+    // of an energy, force times length
+    mode.modal_mass = dataset_.units->usable
+                          ? mode.modal_mass / (dataset_.units->length * dataset_.units->force)
+                          : 0.0;
     const bool turns = std::ranges::any_of(
         mode.values, [](const auto& at) { return at.first.second > 2 && at.second != 0.0; });
     if (!dataset_.units->usable) {
@@ -365,7 +373,7 @@ class ModeReader {
     }
   }
 
-  const UffMode& dataset_;
+  const UffLines& dataset_;
   Notes& notes_;
 };
 
@@ -419,7 +427,7 @@ ModalResults assembled(const std::vector<Mode>& modes, const RecordHeader& heade
   auto places = modal_places(all.outputs, all.inputs);
   if (inputs_at_outputs) put_at_outputs(all.outputs, all.inputs, places);
   for (const auto& mode : modes) {
-    ModalResult result{.pole = mode.pole};
+    ModalResult result{.pole = mode.pole, .modal_mass = mode.modal_mass};
     result.shape = Eigen::VectorXcd::Zero(static_cast<Eigen::Index>(places.outputs.size()));
     for (std::size_t o = 0; o < places.outputs.size(); ++o) {
       const auto& place = places.outputs[o];
@@ -464,7 +472,7 @@ ReadModalResultsResult read_modal_results(const std::string& path) {
   Notes notes(path);
   const UffContents contents = scan_uff(path, notes);
   std::vector<Mode> modes;
-  for (const UffMode& dataset : contents.modes)
+  for (const UffLines& dataset : contents.modes)
     if (auto mode = ModeReader(dataset, notes).read()) modes.push_back(std::move(*mode));
   if (modes.empty()) notes.fail("the Universal File holds no modes (dataset 55)");
   if (modes.size() < contents.modes.size())

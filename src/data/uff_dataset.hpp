@@ -1,6 +1,6 @@
 #pragma once
-/// What a Universal File holds: datasets 58 and 58b (functions), 55 (modes), 151 (header), 164
-/// (units), 15, 2411 and 82 (geometry).
+/// What a Universal File holds: datasets 58 and 58b (functions), 55 (modes), 250, 252 and 2453
+/// (matrices), 151 (header), 164 (units), 15, 2411 and 82 (geometry).
 ///
 /// Layouts: Structural Dynamics Research Laboratory, University of Cincinnati, "Universal File
 /// Formats for Modal Analysis Testing", datasets 58, 151 and 164 and "The Binary 58 Universal File
@@ -85,8 +85,8 @@ struct UffFunction {
   std::uint64_t count{};  ///< values that are really there
 };
 
-/// Dataset 55, line by line, without its number.
-struct UffMode {
+/// Dataset 55 (a mode) or one of a matrix, line by line, without its number.
+struct UffLines {
   std::vector<std::string> lines{};
   unsigned line{};  ///< of the first one in the file; 0 where binary data stand before it
   std::optional<UffUnits> units{};
@@ -94,15 +94,17 @@ struct UffMode {
 
 struct UffContents {
   std::vector<UffFunction> functions{};
-  std::vector<UffMode> modes{};
+  std::vector<UffLines> modes{};
+  std::vector<UffLines> matrices{};
   std::string model_name{}, description{}, program{}, date{};  ///< dataset 151
   Geometry geometry{};                                         ///< [m]
   RecordComments own{};
 };
 
 /// Reads all but the values of the functions. What is skipped or damaged is noted; throws
-/// base::InputError only where there is no dataset at all.
-UffContents scan_uff(const std::string& path, Notes& notes);
+/// base::InputError only where there is no dataset at all. Matrices can be large: they are skipped
+/// unless `with_matrices` is set, and then a binary one is an error.
+UffContents scan_uff(const std::string& path, Notes& notes, bool with_matrices = false);
 
 /// Is it a record, are frequency responses or modes in it? Reads heads of datasets and hardly any
 /// values: files are large. Throws base::InputError as scan_uff.

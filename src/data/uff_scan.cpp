@@ -23,8 +23,8 @@ bool is_delimiter(std::string_view line) {
 class Scan {
  public:
   /// `heads_only`: values are passed over where their lines are even.
-  Scan(const std::string& path, Notes& notes, bool heads_only)
-      : file_(path), notes_(notes), heads_only_(heads_only) {}
+  Scan(const std::string& path, Notes& notes, bool heads_only, bool with_matrices = false)
+      : file_(path), notes_(notes), heads_only_(heads_only), with_matrices_(with_matrices) {}
 
   UffContents all() {
     std::string_view line;
@@ -71,7 +71,8 @@ class Scan {
     const std::string head(line);
     const auto number = fortran_integer(columns(head, 0, 6));
     const std::string_view kind = columns(head, 6, 1);
-    is_binary_ = number == 58 && (kind == "b" || kind == "B");
+    const bool matrix = number == 250 || number == 252 || number == 2453;
+    is_binary_ = (number == 58 || matrix) && (kind == "b" || kind == "B");
     try {
       if (!number)
         throw Unusable{fmt::format("\"{}\" is not the number of a dataset",
@@ -79,7 +80,9 @@ class Scan {
       if (*number == 58)
         function(head, is_binary_);
       else if (*number == 55)
-        mode();
+        take_lines(contents_.modes);
+      else if (matrix && with_matrices_)
+        take_matrix(*number);
       else if (*number == 151)
         file_header();
       else if (*number == 164)
@@ -292,16 +295,24 @@ class Scan {
     f.count = std::min<std::uint64_t>(f.declared, numbers / tuple_size(f));
   }
 
-  void mode() {
+  void take_lines(std::vector<UffLines>& all) {
     constexpr std::size_t most_lines = 2'000'000;
-    UffMode& mode = contents_.modes.emplace_back();
-    mode.line = count_lines_ ? line_ + 1 : 0;
-    mode.units = units_;
+    UffLines& dataset = all.emplace_back();
+    dataset.line = count_lines_ ? line_ + 1 : 0;
+    dataset.units = units_;
     for (std::string_view line; next_inside(line);) {
-      if (++mode_lines_ > most_lines)
-        throw Unusable{fmt::format("more than {} lines of modes", most_lines)};
-      mode.lines.emplace_back(line);
+      if (++kept_lines_ > most_lines)
+        throw Unusable{fmt::format("more than {} lines of modes and matrices", most_lines)};
+      dataset.lines.emplace_back(line);
     }
+  }
+
+  void take_matrix(long long number) {
+    if (is_binary_)
+      notes_.fail(fmt::format("dataset {} is a binary matrix ({}b), expected the text format ({})",
+                              datasets_, number, number),
+                  first_line_);
+    take_lines(contents_.matrices);
   }
 
   void file_header() {
@@ -326,7 +337,8 @@ class Scan {
       if (!units) units = first_units_;
     };
     for (UffFunction& f : contents_.functions) settle(f.units);
-    for (UffMode& mode : contents_.modes) settle(mode.units);
+    for (UffLines& mode : contents_.modes) settle(mode.units);
+    for (UffLines& matrix : contents_.matrices) settle(matrix.units);
     auto& nodes = contents_.geometry.nodes;
     node_units_.resize(nodes.size());
     bool usable = true;
@@ -355,7 +367,7 @@ class Scan {
 
   FileWindow file_;
   Notes& notes_;
-  bool heads_only_;
+  bool heads_only_, with_matrices_;
   UffContents contents_;
   std::uint64_t offset_{};
   unsigned line_{}, first_line_{};
@@ -363,15 +375,15 @@ class Scan {
   bool is_binary_{};
   bool ended_{};  ///< the delimiter of this dataset has been taken
   std::size_t datasets_{};
-  std::size_t mode_lines_{};
+  std::size_t kept_lines_{};
   std::optional<UffUnits> units_{}, first_units_{};    ///< the last and the first one
   std::vector<std::optional<UffUnits>> node_units_{};  ///< of the nodes so far
 };
 
 }  // namespace
 
-UffContents scan_uff(const std::string& path, Notes& notes) {
-  return Scan(path, notes, false).all();
+UffContents scan_uff(const std::string& path, Notes& notes, bool with_matrices) {
+  return Scan(path, notes, false, with_matrices).all();
 }
 
 FileKind uff_kind(const std::string& path) {

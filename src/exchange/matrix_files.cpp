@@ -218,6 +218,12 @@ class Punch {
     const char letter = f[0].empty() ? ' ' : static_cast<char>(std::toupper(f[0][0]));
     auto* terms = letter == 'K' ? &K_ : letter == 'M' ? &M_ : letter == 'B' ? &B_ : nullptr;
     if (terms == nullptr) return;
+    const auto symmetric = symmetric_.find(base::lower_case(f[0]));
+    if (symmetric == symmetric_.end())
+      lines_.fail(
+          fmt::format("matrix {} has terms before its head, expected DMIG, {}, 0, 1 or 6, "
+                      "1 or 2 first",
+                      base::printable(f[0]), base::printable(f[0])));
     const auto column = coordinate(column_point, whole(f[2]));
     for (std::size_t k = 4; k + 2 < f.size(); k += 4) {
       if (f[k].empty()) continue;
@@ -225,7 +231,7 @@ class Punch {
       if (!value) lines_.fail(fmt::format("\"{}\" is no number", base::printable(f[k + 2])));
       const auto row = coordinate(whole(f[k]), whole(f[k + 1]));
       (*terms)[{row, column}] = *value;
-      if (symmetric_) (*terms)[{column, row}] = *value;
+      if (symmetric->second) (*terms)[{column, row}] = *value;
     }
   }
 
@@ -238,7 +244,7 @@ class Punch {
     if (type != 1 && type != 2)
       lines_.fail(
           fmt::format("matrix {} has numbers of type {}, expected 1 or 2 (real)", f[0], type));
-    symmetric_ = form == symmetric;
+    symmetric_[base::lower_case(f[0])] = form == symmetric;
   }
 
   [[nodiscard]] long whole(const std::string& text) const {
@@ -282,7 +288,7 @@ class Punch {
 
   Lines lines_;
   long grid_;
-  bool symmetric_{};
+  std::map<std::string, bool> symmetric_{};  ///< by the name of the matrix, in its head
   std::map<Coordinate, Index> coordinates_{};
   Terms K_{}, M_{}, B_{};
 };

@@ -17,7 +17,6 @@ namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
-using spatial::Matrix3;
 using spatial::Matrix6;
 using spatial::Vector6;
 
@@ -59,18 +58,12 @@ MatrixXd rigid_motion(const MatrixXd& K, Index inner) {
   return -factors.solve(K.bottomLeftCorner(inner, 6));
 }
 
-/// L about the interface in its axes, about the origin of P in axes of P.
-Vector6 in_platform(const Vector6& L, const PayloadElementOptions& options) {
-  const Vector3 l = options.R_PI * L.head<3>(), h = options.R_PI * L.tail<3>();
-  Vector6 moved;
-  moved << l, h + options.p_PI.cross(l);
-  return moved;
-}
-
-Matrix6 rotated(const Matrix6& A, const Matrix3& R) {
-  Matrix6 both = Matrix6::Zero();
-  both.topLeftCorner<3, 3>() = both.bottomRightCorner<3, 3>() = R;
-  return both * A * both.transpose();
+/// Of both signs of a shape, the one whose largest number is positive: equal structures of
+/// different files get equal modes.
+Vector6 with_sign(const Vector6& L) {
+  Index largest = 0;
+  L.cwiseAbs().maxCoeff(&largest);
+  return L[largest] < 0.0 ? Vector6(-L) : L;
 }
 
 }  // namespace
@@ -97,7 +90,7 @@ PayloadFromElement payload_modes(const PayloadElement& element,
     base::refuse(place,
                  "its mass matrix for rigid motions is not positive definite: is M the mass, "
                  "and are the first six coordinates those of the interface?");
-  PayloadFromElement result{.mass = rotated(mass, options.R_PI)};
+  PayloadFromElement result{.mass = mass};
   const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6> stands(
       0.5 * (resistance + resistance.transpose()), mass, Eigen::EigenvaluesOnly);
   result.rigid_stiffness = stands.eigenvalues().cwiseAbs().maxCoeff() / solver.eigenvalues()[0];
@@ -109,7 +102,7 @@ PayloadFromElement payload_modes(const PayloadElement& element,
                            result.rigid_stiffness, most_resistance));
   for (Index k = 0; k < inner; ++k) {
     const Eigen::VectorXd phi = solver.eigenvectors().col(k);
-    const Vector6 L = M_ci * phi;
+    const Vector6 L = with_sign(M_ci * phi);
     if (L.dot(mass_factors.solve(L)) < least_part) continue;
     const double omega = std::sqrt(solver.eigenvalues()[k]);
     if (static_cast<int>(result.modes.size()) == options.modes) {
@@ -120,9 +113,9 @@ PayloadFromElement payload_modes(const PayloadElement& element,
                             .damping_ratio = options.damping_ratio};
     if (element.C.size() > 0)
       mode.damping_ratio = phi.dot(element.C.bottomRightCorner(inner, inner) * phi) / (2.0 * omega);
-    const Vector6 L_P = in_platform(L, options);
-    mode.participation = L_P.head<3>();
-    mode.participation_moment = L_P.tail<3>();
+    const Vector3 l = L.head<3>();
+    mode.participation = l;
+    mode.participation_moment = L.tail<3>() + options.p_PI.cross(l);
     result.modes.push_back(mode);
   }
   if (result.modes.empty())

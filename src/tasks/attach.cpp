@@ -18,6 +18,7 @@ constexpr const char* label = "attached";
 constexpr int digits = 12;
 
 exchange::PayloadElement element_of(const AttachOptions& options) {
+  if (options.universal) return exchange::read_universal_element(options.stiffness, options.grid);
   if (options.mass.empty()) return exchange::read_dmig_punch(options.stiffness, options.grid);
   exchange::PayloadElement element;
   element.K = exchange::read_matrix_market(options.stiffness);
@@ -83,6 +84,20 @@ void change_platform(const model::MachineFile& file, const model::Platform& plat
   }
 }
 
+/// A machine has `there` modes of the payload already.
+void require_room(int there, int modes) {
+  const int room = model::most_payload_modes - there;
+  if (room < 1)
+    base::refuse("payload_modes",
+                 fmt::format("the machine file has {} modes already, expected fewer than {}", there,
+                             model::most_payload_modes));
+  if (modes < 1 || modes > room)
+    base::refuse(fmt::format("--modes {}", modes),
+                 fmt::format("expected 1 to {}: a machine has up to {} modes of the payload, and "
+                             "its file has {} already",
+                             room, model::most_payload_modes, there));
+}
+
 /// The first failure of the machine that would be written, as one of the superelement.
 void require_sound(const model::MachineFile& file, const AttachOptions& options) {
   for (const auto& finding : model::validate(file.machine))
@@ -111,13 +126,7 @@ void require_readable(const std::string& text) {
 Attached attach_payload(const Machine& machine, const AttachOptions& options) {
   Attached attached{.file = machine.file};
   auto& file = attached.file;
-  const std::size_t there = file.machine.payload_modes.size();
-  if (there + static_cast<std::size_t>(options.modes) > model::most_payload_modes)
-    base::refuse(
-        fmt::format("--modes {}", options.modes),
-        fmt::format("the machine file has {} modes of the payload, expected no more than {} "
-                    "with those that are attached",
-                    there, model::most_payload_modes));
+  require_room(static_cast<int>(file.machine.payload_modes.size()), options.modes);
   attached.payload = exchange::payload_modes(
       element_of(options),
       {.p_PI = options.p_PI, .modes = options.modes, .damping_ratio = options.damping_ratio});

@@ -9,6 +9,7 @@
 #include "hydrapod/model/machine_file.hpp"
 #include "support/beam_payload.hpp"
 #include "support/run_program.hpp"
+#include "support/universal_text.hpp"
 
 namespace hydrapod {
 namespace {
@@ -50,6 +51,22 @@ TEST_F(Attach, WritesAMachineThatHasTheModes) {
   EXPECT_THAT(run({"modes", "mast.toml"}).out, HasSubstr("2 coordinates of the payload"));
 }
 
+TEST_F(Attach, ReadsTheSameFromAUniversalFile) {
+  const auto [M, K] = test::mast_matrices({});
+  test::write_text(folder_ / "mast.unv",
+                   test::matrix_dataset(131, M) + test::matrix_dataset(139, K));
+  const std::vector<std::string> rest{"--at",    "0,0,0.1", "--add-mass",
+                                      "--force", "-o",      "mast.toml"};
+  const auto with = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.end(), rest.begin(), rest.end());
+    const auto attached = run(arguments);
+    EXPECT_EQ(attached.exit_code, 0) << attached.err;
+    return attached.out;
+  };
+  EXPECT_EQ(with({"attach", "machine.toml", "--uff", "mast.unv"}),
+            with({"attach", "machine.toml", "--stiffness", "K.mtx", "--mass", "M.mtx"}));
+}
+
 TEST_F(Attach, SaysWhatDoesNotFit) {
   const auto heavy = run({"attach", "machine.toml", "--stiffness", "K.mtx", "--mass", "M.mtx",
                           "--set", "platform.mass=20 kg", "-o", "mast.toml"});
@@ -63,6 +80,13 @@ TEST_F(Attach, SaysWhatDoesNotFit) {
   const auto neither = run({"attach", "machine.toml", "-o", "mast.toml"});
   EXPECT_EQ(neither.exit_code, 2);
   EXPECT_THAT(neither.err, HasSubstr("--stiffness"));
+  const auto both =
+      run({"attach", "machine.toml", "--uff", "K.mtx", "--punch", "K.mtx", "-o", "m.toml"});
+  EXPECT_EQ(both.exit_code, 2);
+  EXPECT_THAT(both.err, HasSubstr("--uff"));
+  const auto none = run({"attach", "machine.toml", "--uff", "K.mtx", "-o", "m.toml"});
+  EXPECT_EQ(none.exit_code, 2);
+  EXPECT_THAT(none.err, HasSubstr("K.mtx: error: this is no Universal File"));
 }
 
 }  // namespace

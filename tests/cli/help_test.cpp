@@ -18,6 +18,7 @@
 #include "hydrapod/exchange/exchange.hpp"
 #include "support/beam_payload.hpp"
 #include "support/run_program.hpp"
+#include "support/universal_text.hpp"
 
 namespace hydrapod {
 namespace {
@@ -106,6 +107,9 @@ void furnish_with_a_cabin(const std::filesystem::path& folder) {
   element.M = M;
   element.K = K;
   test::write_text(folder / "cabin.pch", exchange::dmig_punch(element, {"cabin"}));
+  Eigen::MatrixXd on_platform = M;
+  on_platform.diagonal().head<6>().array() += 200.0;
+  test::write_text(folder / "cabin.unv", test::free_modes_text(on_platform, K, 14, 0.01));
 }
 
 /// A folder as the examples expect it: with the models, and a machine.toml unless that is what is

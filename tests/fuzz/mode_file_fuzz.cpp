@@ -1,5 +1,5 @@
 /// Any bytes as modes of a Universal File, bare or behind the beginning of a dataset 55, as the
-/// first byte says. Modes that were read are written and read again.
+/// first byte says. Modes that were read are written and read again. As matrices, too.
 
 #include "fuzz.hpp"
 #include "hydrapod/data/modal_results.hpp"
@@ -28,5 +28,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (size == 0) return 0;
   const std::string text = fuzz::text_of(data + 1, size - 1);
   fuzz::accepted([&] { read_modes(data[0] % 2 == 0 ? "    -1\n    55\n" + text : text); });
+  fuzz::accepted([&] {
+    data::read_matrix_datasets(fuzz::file_of(data[0] % 2 == 0 ? "    -1\n   252\n" + text : text));
+  });
   return 0;
 }

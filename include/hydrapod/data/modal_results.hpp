@@ -1,6 +1,6 @@
 #pragma once
 /// Modes as a measurement found them, what shapes have in common, and Universal Files of modes
-/// (dataset 55: poles and shapes, without what is known of their errors).
+/// (dataset 55: poles and shapes, without what is known of their errors) and of matrices.
 ///
 /// One dataset 55 per mode, "complex eigenvalue, first order", displacement: eigenvalue λ [1/s],
 /// modal A = 1, modal B = −λ, and the shape at nodes. A node has six values x … rz, or three where
@@ -56,6 +56,9 @@ struct ModalResult {
   /// What the mode is above the noise, around 1: nothing; 0: not known.
   double significance{};
   std::vector<std::string> id_lines{};  ///< of a Universal File of another program, up to five
+  /// Of a normal mode, for this scale of its shape; with displacements in m and rad [kg]; 0: not
+  /// known.
+  double modal_mass{};
   [[nodiscard]] double omega() const { return std::abs(pole); }
   [[nodiscard]] double damping_ratio() const { return -pole.real() / std::abs(pole); }
 };
@@ -98,6 +101,38 @@ struct ReadModalResultsResult {
 /// eigenvalues (3, 7), real or complex, three or six values per node. Lengths become metres by
 /// dataset 164, and shapes of speeds or accelerations displacements. Throws base::InputError.
 ReadModalResultsResult read_modal_results(const std::string& path);
+
+/// Identifiers of matrices: of a whole superelement, or of its modes with the interface held and
+/// of the interface apart.
+namespace matrix_identifier {
+inline constexpr int mass = 131, coupling_mass = 132, interface_mass = 134, stiffness = 139,
+                     interface_stiffness = 142;
+}
+
+struct MatrixDataset {
+  int identifier{};                ///< of what, see above; others are kept
+  Eigen::MatrixXd values{};        ///< in units of the file
+  unsigned line{};                 ///< of its identifier
+  double length{1.0}, force{1.0};  ///< units of the file in a metre and in a newton
+};
+
+/// Real matrices of a Universal File: datasets 252 and 2453, and 250 read by the same layout. No
+/// dataset 164: SI.
+///
+///     record 1  I10    identifier
+///     record 2  6I10   type (2 real, 4 double precision), form, rows, columns, storage key (1 by
+///                      rows, 2 by columns, 11 sparse), number of entries of a sparse one
+///     record 3  4E20.12 or 4D20.12; sparse: 2(2I10,E20.12), row, column, value
+///
+/// The values of `coupling_mass`, modes × interface, stand one mode after the other whatever the
+/// key says, as Code_Aster writes them (IMPR_MACR_ELEM, FORMAT='IDEAS').
+///
+/// Empty where the file holds modes only. Throws base::InputError with line, for a file of neither,
+/// for complex and binary matrices, and for more than 3000 rows.
+///
+/// Layouts: dataset 252 as Code_Aster writes it; dataset 2453 in the manual of Abaqus, "Exchanging
+/// Abaqus data with ZAERO".
+std::vector<MatrixDataset> read_matrix_datasets(const std::string& path);
 
 struct ColumnHead {
   std::string name{};

@@ -176,6 +176,10 @@ Eigen::MatrixXd read_matrix_market(const std::string& path);
 /// their points; `grid`: number of the grid point that is the platform. Throws base::InputError.
 PayloadElement read_dmig_punch(const std::string& path, int grid);
 
+/// A superelement of a Universal File (src/exchange/universal_element.cpp): its matrices, or else
+/// the modes of the free structure at `node`, which is the platform. Throws base::InputError.
+PayloadElement read_universal_element(const std::string& path, int node);
+
 struct PayloadFromElement {
   std::vector<model::PayloadMode> modes{};  ///< lowest first
   spatial::Matrix6 mass{};   ///< of the whole rigid structure about its interface, axes of P
@@ -184,10 +188,9 @@ struct PayloadFromElement {
 };
 
 struct PayloadElementOptions {
-  Vector3 p_PI{Vector3::Zero()};                        ///< the interface in P [m]
-  spatial::Matrix3 R_PI{spatial::Matrix3::Identity()};  ///< its axes in P
-  int modes{model::most_payload_modes};                 ///< the lowest that are kept
-  double damping_ratio{};                               ///< of those for which C says nothing
+  Vector3 p_PI{Vector3::Zero()};         ///< the interface in P [m]; its axes are those of P
+  int modes{model::most_payload_modes};  ///< the lowest that are kept
+  double damping_ratio{};                ///< of those for which C says nothing
 };
 
 /// Fixed-interface modes (K_ii − ω² M_ii) φ = 0 and their participation L = φᵀ (M_ic − M_ii K_ii⁻¹

@@ -30,7 +30,7 @@ modal::ModeTable modes(const Machine& machine);
 /// base::InputError and base::ComputationError where the file alone has no modes at this pose.
 std::optional<modal::ModeTable> modes_without_overrides(const Machine& machine);
 
-/// Modes at `poses`, at least two. Those that the platform feels are followed: between neighbouring
+/// Modes at `poses`, at least two. Those with platform motion are followed: between neighbouring
 /// poses they are paired by the MAC of the platform's motion in the metric of its mass
 /// (observation::pair_lists); the frequency may change by a factor of three.
 report::ModesAtPoses modes_at_poses(const Machine& machine,
@@ -161,10 +161,12 @@ struct Exported {
 };
 
 struct AttachOptions {
-  std::string stiffness{};            ///< Matrix Market, or a Nastran punch file
-  std::string mass{};                 ///< Matrix Market; not of a punch file
-  std::string damping{};              ///< the same; may be empty
-  int grid{exchange::dmig_platform};  ///< of a punch file: the point that is the platform
+  std::string stiffness{};  ///< Matrix Market; without `mass` a punch or Universal File
+  std::string mass{};       ///< Matrix Market
+  std::string damping{};    ///< the same; may be empty
+  bool universal{};         ///< a Universal File
+  /// Point of a punch file, or node of the modes in a Universal File, that is the platform.
+  int grid{exchange::dmig_platform};
   spatial::Vector3 p_PI{spatial::Vector3::Zero()};  ///< the interface in P [m]
   int modes{model::most_payload_modes};
   double damping_ratio{};  ///< of modes for which no damping matrix speaks
