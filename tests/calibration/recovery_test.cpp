@@ -65,8 +65,8 @@ TEST(Recovery, ModesThatCrossOnTheWayKeepTheirNames) {
 }
 
 /// Elastomers make the damped frequencies others than the undamped ones, by up to a tenth here.
-/// What `modes` prints of such a machine leads back to it.
-/// Frequencies of undamped modes would not do: taken for those, they give another ratio.
+/// Targets with the damped frequencies, as `modes` prints them, give the planted ratio. Targets
+/// with the undamped frequencies give another one.
 TEST(Recovery, SealsThatAreElastomersComeBackFromTheirDampedModes) {
   test::Random random(77);
   const auto text = test::random_machine_text(random, false);

@@ -16,6 +16,7 @@
 #include "hydrapod/dynamics/linear_model.hpp"
 #include "hydrapod/dynamics/nonlinear.hpp"
 #include "hydrapod/modal/normal_modes.hpp"
+#include "support/guide_gaps.hpp"
 #include "support/random_machine.hpp"
 
 namespace hydrapod::test {
@@ -112,12 +113,7 @@ TEST(GuideContactLeg, IsTheDerivativeOfItsPotentialEnergyAlongAndAcrossTheOffset
 model::Machine pressed_machine(Random& random) {
   auto machine =
       random_machine(random, {.axes = model::FlexibleAxes::gimbal, .gravity = Gravity::anywhere});
-  const auto model = dynamics::linear_model(machine, machine.neutral(), ModelKind::guide);
-  for (int i = 0; i < model::leg_count; ++i) {
-    auto& sleeve = machine.legs[i].guide_sleeve;
-    sleeve.gap = model.legs[i].sleeve_offset.norm() / 3.0;
-    sleeve.guide_stiffness = 20.0 * sleeve.stiffness;
-  }
+  lay_on_guides(machine);
   return machine;
 }
 

@@ -12,6 +12,7 @@
 #include "hydrapod/simulation/closed_loop.hpp"
 #include "hydrapod/simulation/linear_system.hpp"
 #include "support/calibration_machine.hpp"
+#include "support/energy_account.hpp"
 #include "support/kinds.hpp"
 #include "support/random_machine.hpp"
 #include "support/unreduced_mount.hpp"
@@ -148,32 +149,17 @@ TEST_P(Carried, KeepsItsEnergy) {
     const auto& layout = plant.layout();
     x.segment<6>(layout.velocity()) << random.vector(0.4), random.vector(0.4);
     x.segment<6>(layout.base + 6) << random.vector(0.1), random.vector(0.1);
-    simulation::Integrator run(plant, {.relative_tolerance = 1e-12, .absolute_tolerance = 1e-12});
-    run.start(0.0, x);
-    const auto energy = [](const simulation::PlantOutput& out) {
-      return out.energies.total() + out.oil_spring_energy + out.base.kinetic_energy +
-             out.base.elastic_energy;
-    };
-    const auto first = plant.outputs(x.data(), {});
-    const double scale = first.energies.platform + first.base.kinetic_energy;
-    double drift = 0.0, power = first.dissipation, largest = 0.0;
-    constexpr int samples = 1000;
-    constexpr double interval = 2e-4;
-    auto last = first;
-    for (int k = 1; k <= samples; ++k) {
-      run.advance(k * interval, {});
-      last = plant.outputs(run.state().data(), {});
-      drift = std::max(drift, std::abs(energy(last) - energy(first)));
-      power += (k == samples ? 1.0 : k % 2 == 1 ? 4.0 : 2.0) * last.dissipation;
-      largest = std::max(largest, last.base.elastic_energy);
-    }
+    double largest = 0.0;
+    const auto account = energy_account(plant, x, 1000, 2e-4, [&](const auto& now) {
+      largest = std::max(largest, now.base.elastic_energy);
+    });
+    const double scale = account.first.energies.platform + account.first.base.kinetic_energy;
     EXPECT_GT(largest, 0.01 * scale);
     if (damped) {
-      const double lost = energy(first) - energy(last);
-      EXPECT_GT(lost, 0.05 * scale);
-      EXPECT_NEAR(power * interval / 3.0, lost, 1e-7 * lost);
+      EXPECT_GT(account.lost, 0.05 * scale);
+      EXPECT_NEAR(account.dissipated, account.lost, 1e-7 * account.lost);
     } else {
-      EXPECT_LT(drift, 1e-9 * scale);
+      EXPECT_LT(account.drift, 1e-9 * scale);
     }
   }
 }

@@ -65,6 +65,53 @@ TEST(MachineStudy, RowsAreThoseOfModes) {
   }
 }
 
+/// SIMD lanes know no modes of the payload, no elastomers and no beams: a batch of such machines is
+/// that of the model for one row, to the last digit.
+TEST(MachineStudy, MachinesWithPartsUnknownToTheLanesAreComputedAlone) {
+  const auto file = published({"environment.gravity=9.81"});
+  const auto inputs = read_variation(file, "platform.mass", "normal ± 2 %", "");
+  constexpr std::size_t count = 20;
+  const auto run_alone = [&](const model::Machine& machine) {
+    const auto problem = machine_problem(
+        machine, inputs, {.kind = dynamics::ModelKind::guide, .X_BP = machine.neutral()});
+    const auto one = problem.model();
+    std::vector<double> x(count), together(count * problem.outputs.size()), y(together.size());
+    std::vector<Row> rows;
+    for (std::size_t k = 0; k < count; ++k) {
+      x[k] = machine.platform.mass * (0.97 + 0.0031 * static_cast<double>(k));
+      const std::span<const double> in(&x[k], 1);
+      const std::size_t at = k * problem.outputs.size();
+      rows.push_back({in, std::span(together).subspan(at, problem.outputs.size())});
+      one(in, std::span(y).subspan(at, problem.outputs.size()));
+    }
+    const std::size_t alone = problem.batch()(rows);
+    if (alone == count) {
+      EXPECT_THAT(together, testing::Pointwise(testing::NanSensitiveDoubleEq(), y));
+    }
+    EXPECT_EQ(y[0], 0.0);
+    return alone;
+  };
+  EXPECT_EQ(run_alone(file.machine), 0U);
+  auto swinging = file.machine;
+  swinging.payload_modes.push_back({.name = "cabin",
+                                    .frequency = 7.3,
+                                    .mass = 0.11 * swinging.platform.mass,
+                                    .direction = {0.9, 0.3, 0.1}});
+  EXPECT_EQ(run_alone(swinging), count);
+  auto soft = file.machine;
+  for (auto& leg : soft.legs)
+    leg.guide_sleeve.elastomer =
+        model::Elastomer{.dynamic_ratio = 1.7, .loss_factor = 0.23, .frequency = 11.0};
+  EXPECT_EQ(run_alone(soft), count);
+  auto bending = file.machine;
+  for (auto& leg : bending.legs) {
+    leg.bending = model::LegBending::elastic;
+    leg.rod.diameter = 0.061;
+    leg.rod.wall = 0.011;
+  }
+  EXPECT_EQ(run_alone(bending), count);
+}
+
 /// README: under gravity the seals lower x and y from 7.438 to 4.991 Hz.
 TEST(MachineStudy, KnowsThePublishedDrop) {
   const auto file = published({"environment.gravity=9.81"});
