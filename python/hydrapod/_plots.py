@@ -79,7 +79,7 @@ def _frequency_axis(axes: Any, frequencies: Any) -> None:
 def plot_modes(modes: Modes, *, platform_only: bool = True, figure: Any = None) -> Any:
     """Frequencies with flexible and rigid legs, and where the elastic energy of each mode is.
 
-    platform_only: leave out the local modes of seals, which the platform does not feel.
+    platform_only: leave out the local modes of seals, which do not move the platform.
     """
     _expect(modes, Modes)
     document = modes.to_dict()

@@ -84,7 +84,7 @@ void place_points(const LegConstants& legs, LegsInMotion& at) {
   at.g_rate = at.omega.cross(at.g) + piston_rate + legs.c_g * at.e_bending;
 }
 
-/// What the seals feel. With transverse axes the case does not spin with its frame, so lateral
+/// The motion at the seals. With transverse axes the case does not spin with its frame, so lateral
 /// vectors turn in it.
 void deflect_seals(const LegConstants& legs, bool spinning, LegsInMotion& at) {
   const Lanes h = legs.L_g - at.s, per_q = 1.0 / at.e[2], scale = h * per_q;

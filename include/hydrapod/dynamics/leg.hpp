@@ -144,8 +144,8 @@ struct SealArm {
 inline constexpr std::size_t arms_per_seal = 3;
 using SealArms = std::array<SealArm, arms_per_seal>;
 
-/// Equally strong arms whose rates are a factor of 8 apart, fitted to k'(ω) and η at elastomer.frequency.
-/// `stiffness`: k of slow motions [N/m].
+/// Equally strong arms whose rates are a factor of 8 apart, fitted to k'(ω) and η at
+/// elastomer.frequency. `stiffness`: k of slow motions [N/m].
 SealArms seal_arms(double stiffness, const model::Elastomer& elastomer);
 
 /// The guide ring under a rod that swings.
@@ -171,7 +171,7 @@ double softened(const model::Elastomer& elastomer, double amplitude);
 /// [N/m], `f` [m/N].
 SealArms arms_in_series(const SealArms& arms, double k, double f);
 
-/// What a base that moves feels of a leg on it, about the origin of B in its axes.
+/// Momentum and inertia of a leg in motions of its base, about the origin of B in its axes.
 struct LegOnBase {
   /// Linear [kg m/s] and angular momentum [kg m²/s] per ẋ, in the leg's motion against the base.
   Eigen::Matrix<double, 6, leg_coordinates> momentum{

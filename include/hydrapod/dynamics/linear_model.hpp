@@ -102,7 +102,7 @@ struct LinearModel {
   /// Of a base with coordinates:
   std::array<LegOnBase, model::leg_count> legs_on_base{};
   Vector6 base_inertia{Vector6::Zero()};  ///< its own [kg, kg m²], all six directions
-  Vector6 k_mount{Vector6::Zero()};       ///< [N/m, N m/rad], 0 where the base does not give way
+  Vector6 k_mount{Vector6::Zero()};       ///< [N/m, N m/rad], 0 where the base is rigid
   /// The mount's share of K_rr; see base_mount.hpp. Of a condensed base only.
   Matrix6 K_mount{Matrix6::Zero()};
   ModelMatrix M{}, K{};

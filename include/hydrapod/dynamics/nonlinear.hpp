@@ -81,7 +81,7 @@ struct LegMotion {
   Vector2 sleeve_offset{Vector2::Zero()};  ///< of the rod at the seal [m] along t and a2
 };
 
-/// How a base that moves and the mechanism on it feel each other; see moving_base.hpp.
+/// Inertial coupling of a moving base and the mechanism on it; see moving_base.hpp.
 inline constexpr int most_velocities =
     degrees_of_freedom(ModelKind::full) + model::most_payload_modes;
 using BaseMomentum = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, most_velocities>;
@@ -192,18 +192,18 @@ Vector6 frame_spins(const NonlinearModel& model, const Motion& motion);
 struct MovingBase {
   static constexpr double fastest = 20.0;  ///< times the highest rigid frequency on a still base
 
-  std::array<int, 6> directions{};  ///< that give way, the first `count`
+  std::array<int, 6> directions{};  ///< that are compliant, the first `count`
   int count{};
-  BaseCoupling coupling{};             ///< P; M_b with the base's own inertia
-  Vector6 stiffness{Vector6::Zero()};  ///< K_b [N/m, N m/rad], 0 where the base does not give way
-  Vector6 damping{Vector6::Zero()};    ///< C_b [N s/m, N m s/rad]
+  BaseCoupling coupling{};                 ///< P; M_b with the base's own inertia
+  Vector6 stiffness{Vector6::Zero()};      ///< K_b [N/m, N m/rad], 0 where the base is rigid
+  Vector6 damping{Vector6::Zero()};        ///< C_b [N s/m, N m s/rad]
   Matrix6 added_inertia{Matrix6::Zero()};  ///< the part of M_b that only keeps it slow
 
   /// ½ v_bᵀ M_b v_b + v_bᵀ P v [J].
   [[nodiscard]] double kinetic_energy(const Vector6& rates, const double* v) const;
   /// ½ q_bᵀ K_b q_b [J].
   [[nodiscard]] double elastic_energy(const Vector6& motion) const;
-  /// a_b, zero where the base does not give way. `v_rate`: v̇ on a base that stands still,
+  /// a_b, zero where the base is rigid. `v_rate`: v̇ on a base that stands still,
   /// `per_base`: v̇ per a_b (NonlinearModel::accelerations), `wrench` on the platform about `p_BC`.
   [[nodiscard]] Vector6 acceleration(const Vector6& motion, const Vector6& rates,
                                      const double* v_rate, const BaseResponse& per_base,

@@ -16,8 +16,7 @@
 
 namespace hydrapod::modal {
 
-/// A mode whose platform share of the kinetic energy is below this is one that the platform cannot
-/// feel.
+/// A mode whose platform share of the kinetic energy is below this is a local seal mode.
 inline constexpr double local_mode_energy = 1e-4;
 
 struct RigidCounterpart {
@@ -30,9 +29,8 @@ struct TabledMode {
   DampedMode mode{};
   EnergyShares energy{};
   bool moves_platform{true};
-  std::string label{};  ///< "x, knee of all legs"; "seal mode the platform cannot feel"
-  std::optional<RigidCounterpart>
-      rigid{};  ///< none for rigid modes and those the platform cannot feel
+  std::string label{};                      ///< "x, seals of all legs"; "local seal mode"
+  std::optional<RigidCounterpart> rigid{};  ///< none for rigid modes and local seal modes
 };
 
 /// One model with its undamped modes and the table of its damped ones.
@@ -52,7 +50,7 @@ struct ModeTable {
   AnalysedModel rigid{};  ///< the rigid model at the same pose
 };
 
-/// Index of the lowest mode that the platform feels, in `modes`; −1 when there is none.
+/// Index of the lowest mode with platform motion, in `modes`; −1 when there is none.
 int lowest_platform_mode(const std::vector<TabledMode>& modes);
 
 /// Pairs the modes of two models by likeness of shape, most alike first, one to one: per mode of

@@ -27,8 +27,8 @@
 /// Elastic energy is split into oil springs (gimbals in series with them included), guide sleeves,
 /// piston rings and the bending of rod and case, per leg, the base's mount and the payload's modes;
 /// these sum to 1. On a condensed base the kinetic energy of the legs is that of their motion
-/// against it. What gravity and preload give back or take (second order: curvature, weights, knees
-/// under compression) is no elastic energy; `preload` states it as a multiple of the elastic
+/// against it. What gravity and preload give back or take (second order: curvature, weights, bent
+/// legs under compression) is no elastic energy; `preload` states it as a multiple of the elastic
 /// energy: −0.6 means that preload takes away 60 % of the stiffness that the springs give the mode,
 /// −1 that the legs buckle.
 

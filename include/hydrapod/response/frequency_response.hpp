@@ -11,7 +11,7 @@
 /// - actuator: forces of the six oil columns, mapped to platform directions by J⁻ᵀ (J: extension
 ///   rates of the pistons per motion of Q), so that the six inputs are again forces and moments at
 ///   Q. For straight legs on a still base both are the same; bent legs (gravity) also push their
-///   own knees, and all legs push a base that has coordinates back.
+///   own seals, and all legs push a base that has coordinates back.
 ///
 /// Motion is against the ground, on a base that moves too.
 ///
