@@ -44,23 +44,32 @@ void leave_out_what_does_nothing(Sensitivities& all) {
   all.parameters = std::move(parameters);
 }
 
-/// ω and ζ of the damped modes that the undamped ones are.
+/// ω and ζ of the damped modes that the undamped ones are: the pair most alike first, every mode in
+/// one pair only. Modes of equal frequency are combinations of each other.
 void add_damped(const Machine& machine, ModePoint& point) {
   const auto damped =
       modal::damped_modes(point.model, point.modes, modal::modal_ratio(machine).value);
   const dynamics::ModelMatrix momenta = point.model.M * point.modes.shapes;
-  for (int k = 0; k < point.modes.size(); ++k) {
-    double most = -1.0;
-    std::size_t best = 0;
-    for (std::size_t j = 0; j < damped.size(); ++j) {
-      const double alike =
-          std::hypot(momenta.col(k).dot(damped[j].real), momenta.col(k).dot(damped[j].imaginary));
-      if (alike <= most) continue;
-      most = alike;
-      best = j;
-    }
-    point.damped_omega.push_back(damped[best].omega);
-    point.damped_ratio.push_back(damped[best].damping_ratio);
+  const auto count = static_cast<std::size_t>(point.modes.size());
+  if (damped.size() < count)
+    throw base::ComputationError(fmt::format(
+        "of {} modes, {} are left with the damping of these values", count, damped.size()));
+  Eigen::MatrixXd alike(count, damped.size());
+  for (Eigen::Index j = 0; j < alike.cols(); ++j) {
+    const auto& mode = damped[static_cast<std::size_t>(j)];
+    alike.col(j) = (momenta.transpose() * mode.real).cwiseAbs2() +
+                   (momenta.transpose() * mode.imaginary).cwiseAbs2();
+  }
+  point.damped_omega.resize(count);
+  point.damped_ratio.resize(count);
+  for (std::size_t pair = 0; pair < count; ++pair) {
+    Eigen::Index k = 0, j = 0;
+    alike.maxCoeff(&k, &j);
+    alike.row(k).setConstant(-1.0);
+    alike.col(j).setConstant(-1.0);
+    const auto& mode = damped[static_cast<std::size_t>(j)];
+    point.damped_omega[static_cast<std::size_t>(k)] = mode.omega;
+    point.damped_ratio[static_cast<std::size_t>(k)] = mode.damping_ratio;
   }
 }
 

@@ -1,6 +1,7 @@
 #include <limits>
 
 #include "legs_in_motion.hpp"
+#include "statics_search.hpp"
 
 namespace hydrapod::dynamics {
 
@@ -20,7 +21,8 @@ void add_beams(const model::Machine& machine, ModelKind kind, const spatial::Pos
     const LegState state = rest.status == StaticsStatus::converged ? rest.legs[i] : LegState{};
     to.compression[i] = -state.oil_force;
     const auto element =
-        bent_leg(leg, geometry[i].a, machine.flexible_axes, machine.gravity, state).element;
+        bent_leg_without_bow_mass(leg, geometry[i].a, machine.flexible_axes, machine.gravity, state)
+            .element;
     mass[i] = to.beams[i].bow_mass(element.l_m, to.compression[i], element.k_s + element.k_contact);
     slope[i] = InSeries(element).F_d;
     at_rest[i] = element.bending_force -

@@ -10,6 +10,7 @@
 #include "guide_contact.hpp"
 #include "hydrapod/hydraulics/servo_axis.hpp"
 #include "leg_beams.hpp"
+#include "statics_search.hpp"
 
 namespace hydrapod::dynamics {
 
@@ -188,7 +189,6 @@ Matrix7 chart_mass(const model::Leg& leg, const Configuration& at, const Matrix3
 /// Rod and case between the chords, where they bend.
 struct Bending {
   BeamCompliance compliance;
-  BowMass mass;
   InSeries series;
   Vector2 force;  ///< F
   Matrix27 D;     ///< ∂d_s/∂chart − F ∂f/∂chart: of δ it is δ_d D, of F it is F_d D
@@ -197,7 +197,6 @@ struct Bending {
   Bending(const LegBeams& beams, double s, double P, const SleeveOffset& sleeve,
           const LegElement& element)
       : compliance(beams.compliance(s, P)),
-        mass(beams.bow_mass(s, P, element.k_s + element.k_contact)),
         series(element),
         force((element.k_s + element.k_contact) * element.sleeve_offset),
         D(sleeve.D) {
@@ -207,7 +206,7 @@ struct Bending {
 
 /// What the mass of the bow adds to M: its field is −g F on the rod and +g F on the case.
 void add_bow_mass(const Configuration& at, const SleeveOffset& sleeve, const Bending& bending,
-                  Matrix7& M) {
+                  const BowMass& mass, Matrix7& M) {
   Matrix37 bow = Matrix37::Zero();
   const Vector3 force(bending.force[0], bending.force[1], 0.0);
   bow.topRows<2>() = bending.series.F_d * sleeve.D;
@@ -217,7 +216,6 @@ void add_bow_mass(const Configuration& at, const SleeveOffset& sleeve, const Ben
   Matrix37 axis = Matrix37::Zero();
   axis.col(alpha) = at.a1.cross(n_L);
   axis.col(beta) = a2_L.cross(n_L);
-  const auto& mass = bending.mass;
   const Matrix7 mixed = bow.transpose() * (mass.around * axis - mass.piston * piston -
                                            mass.tilt * rod_axis_rates(at));
   M += mixed + mixed.transpose() + mass.self * bow.transpose() * bow;
@@ -261,7 +259,7 @@ struct Weights {
   Vector3 tube, rod;
 };
 
-/// Of what gives way at the guide sleeve: ∂V/∂chart. The energy ½ f F² by f at a given d_s is
+/// Of the compliances at the guide sleeve: ∂V/∂chart. The energy ½ f F² by f at a given d_s is
 /// −½ F².
 Vector7 sleeve_gradient(const LegElement& element, const SleeveOffset& sleeve,
                         const std::optional<Bending>& bending) {
@@ -353,10 +351,8 @@ void press(const model::GuideSleeve& sleeve, const Vector2& chords, LegElement& 
   element.contact_root = std::sqrt(std::max(contact.tangent - contact.secant, 0.0)) / size * delta;
 }
 
-}  // namespace
-
-BentLeg bent_leg(const model::Leg& leg, const Vector3& a, model::FlexibleAxes axes,
-                 const Vector3& gravity, const LegState& state) {
+BentLeg make_bent_leg(const model::Leg& leg, const Vector3& a, model::FlexibleAxes axes,
+                      const Vector3& gravity, const LegState& state, bool with_bow_mass) {
   BentLeg bent;
   const Vector3 L = a - leg.base_joint;
   const Vector3 a1 = frame_axis(L.normalized(), leg.gimbal_axis, axes);
@@ -401,13 +397,27 @@ BentLeg bent_leg(const model::Leg& leg, const Vector3& a, model::FlexibleAxes ax
   element.K = bent.K_without_oil + element.k_h * element.s_x * element.s_x.transpose();
   Matrix7 mass = chart_mass(leg, at, points.case_rates, points.rod_rates, gimbal);
   if (bending) {
-    add_bow_mass(at, sleeve, *bending, mass);
+    if (with_bow_mass)
+      add_bow_mass(at, sleeve, *bending, beams->bow_mass(at.s, P, element.k_s + element.k_contact),
+                   mass);
     element.bending_force = bending->force;
     element.F_x = seen_by_case(at, bending->series.F_d * bending->D, bending->force, T, gimbal);
   }
   element.M = T.transpose() * mass * T;
   element.C = leg_damping(leg, element, at.s);
   return bent;
+}
+
+}  // namespace
+
+BentLeg bent_leg(const model::Leg& leg, const Vector3& a, model::FlexibleAxes axes,
+                 const Vector3& gravity, const LegState& state) {
+  return make_bent_leg(leg, a, axes, gravity, state, true);
+}
+
+BentLeg bent_leg_without_bow_mass(const model::Leg& leg, const Vector3& a, model::FlexibleAxes axes,
+                                  const Vector3& gravity, const LegState& state) {
+  return make_bent_leg(leg, a, axes, gravity, state, false);
 }
 
 }  // namespace hydrapod::dynamics

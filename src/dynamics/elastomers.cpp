@@ -5,6 +5,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/units.hpp"
@@ -16,6 +17,10 @@ namespace hydrapod::dynamics {
 namespace {
 
 constexpr double step = 8.0;  ///< between the rates of neighbouring arms
+
+/// Of bisections: they end where two numbers are neighbours, and always.
+constexpr double rounding = std::numeric_limits<double>::epsilon();
+constexpr int halvings = 200;
 
 /// Rates of the arms over ω, the middle one at `center`.
 std::array<double, arms_per_seal> rates_about(double center) {
@@ -47,8 +52,7 @@ SealArms seal_arms(double stiffness, const model::Elastomer& elastomer) {
   const double wanted = elastomer.loss_factor * elastomer.dynamic_ratio / growth;
   // loss/storage of the arms grows with their rates as long as these are not far apart.
   double low = 1e-9 * std::min(1.0, wanted), high = 1e3 * std::max(1.0, wanted) * step;
-  constexpr int halvings = 120;  // of the logarithm: to rounding
-  for (int k = 0; k < halvings && high > low * (1.0 + 1e-15); ++k) {
+  for (int k = 0; k < halvings && high > low * (1.0 + rounding); ++k) {
     const double middle = std::sqrt(low * high);
     const ArmSums sums(rates_about(middle));
     (sums.loss < wanted * sums.storage ? low : high) = middle;
@@ -78,8 +82,7 @@ SealArms arms_in_series(const SealArms& arms, double k, double f) {
   for (std::size_t j = 0; j < arms_per_seal; ++j) {
     double low = from, high = sorted[j].rate;
     from = high;
-    constexpr int halvings = 200;
-    for (int n = 0; n < halvings && high - low > 1e-16 * high; ++n) {
+    for (int n = 0; n < halvings && high - low > rounding * high; ++n) {
       const double middle = 0.5 * (low + high);
       (excess(middle) > 0.0 ? low : high) = middle;
     }
@@ -124,8 +127,8 @@ void fill_seal_arms(const model::Machine& machine, LinearModel& model) {
       element.k_s += closed;
     }
     if (model.kind != ModelKind::full || !leg.piston_ring->elastomer) continue;
-    const double closed =
-        add(i, leg.piston_ring->stiffness, *leg.piston_ring->elastomer, Relaxing::ring, element.u_x);
+    const double closed = add(i, leg.piston_ring->stiffness, *leg.piston_ring->elastomer,
+                              Relaxing::ring, element.u_x);
     element.K += closed * element.u_x.transpose() * element.u_x;
     element.k_g += closed;
   }

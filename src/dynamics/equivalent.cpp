@@ -75,13 +75,14 @@ GuideEquivalent guide_equivalent(const model::GuideSleeve& sleeve, const Vector2
   if (!sleeve.gap) return {.mean = rest};
   const Vector2 load = (sleeve.stiffness + guide_contact(sleeve, rest.norm()).secant) * rest;
   GuideEquivalent result{.mean = rest};
+  constexpr double settled = 1e-12;  // of the gap
   constexpr int most_steps = 50;  // the mean force grows with the mean offset: Newton meets no turn
   for (int k = 0;; ++k) {
     const PeriodSums sums(sleeve, result.mean, amplitude);
     result.stiffness = sums.at_omega;
     result.touches = sums.touches;
     const Vector2 step = Eigen::Matrix2d(sums.slope).inverse() * (load - sums.force);
-    if (k == most_steps || step.norm() <= 1e-12 * (*sleeve.gap)) return result;
+    if (k == most_steps || step.norm() <= settled * (*sleeve.gap)) return result;
     result.mean += step;
   }
 }

@@ -187,14 +187,13 @@ using RitzVector = Eigen::Matrix<double, shapes, 1>;
 
 /// The leg with both joints held, seal and beams.
 struct Tilt {
-  double omega{}, piston{}, omega_rod{};  ///< rates of case, piston and rod per φ̇
   RitzMatrix M{RitzMatrix::Zero()}, K{RitzMatrix::Zero()};
 
   Tilt(const LegBeams& beams, double s, double k, const Bows& rod, const Bows& tube) {
     const auto& of_rod = beams.rod;
-    omega = -beams.l_mn / (s + beams.l_mn);
-    piston = s * omega;
-    omega_rod = omega + 1.0;
+    // rates of case, piston and rod per φ̇
+    const double omega = -beams.l_mn / (s + beams.l_mn), piston = s * omega;
+    const double omega_rod = omega + 1.0;
     const double center = piston + of_rod.center * omega_rod;
     M(0, 0) = beams.case_inertia * omega * omega + of_rod.mass * center * center +
               of_rod.inertia * omega_rod * omega_rod;

@@ -4,6 +4,7 @@
 
 #include "hydrapod/dynamics/leg.hpp"
 #include "leg_beams.hpp"
+#include "statics_search.hpp"
 
 namespace hydrapod::dynamics {
 
@@ -117,7 +118,7 @@ void add_bow(const model::Leg& leg, const BentGeometry& at, const LegElement& el
 
 LegOnBase leg_on_base(const model::Leg& leg, const Vector3& a, model::FlexibleAxes axes,
                       const LegState& state) {
-  const auto bent = bent_leg(leg, a, axes, Vector3::Zero(), state);
+  const auto bent = bent_leg_without_bow_mass(leg, a, axes, Vector3::Zero(), state);
   if (!bent.exists) throw std::invalid_argument("leg_on_base: no extension closes this leg");
   const auto& tube = leg.cylinder_case;
   const auto& rod = leg.rod;

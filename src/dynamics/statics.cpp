@@ -92,8 +92,8 @@ struct Problem {
     Vector6 balance = platform_weight;
     double worst = 0.0;
     for (int i = 0; i < model::leg_count; ++i) {
-      now.legs[i] = bent_leg(machine.legs[i], geometry[i].a, machine.flexible_axes, machine.gravity,
-                             at.legs[i]);
+      now.legs[i] = bent_leg_without_bow_mass(machine.legs[i], geometry[i].a, machine.flexible_axes,
+                                              machine.gravity, at.legs[i]);
       now.exists = now.exists && now.legs[i].exists;
       if (!now.exists) return now;
       balance -= wrench(now.legs[i].joint_force, geometry[i].a - C);
@@ -102,6 +102,16 @@ struct Problem {
     }
     now.residual = std::max(worst, balance.lpNorm<Eigen::Infinity>()) / weight;
     return now;
+  }
+
+  [[nodiscard]] std::array<BentLeg, model::leg_count> with_bow_masses(
+      const Iterate& now, const StaticEquilibrium& at) const {
+    auto legs = now.legs;
+    for (int i = 0; i < model::leg_count; ++i)
+      if (legs[i].element.bending > 0.0)
+        legs[i] = bent_leg(machine.legs[i], geometry[i].a, machine.flexible_axes, machine.gravity,
+                           at.legs[i]);
+    return legs;
   }
 
   /// Whether every piston is below its guide sleeve. Past its limit load a leg has no equilibrium
@@ -167,7 +177,7 @@ StaticEquilibrium static_equilibrium(const model::Machine& machine, const spatia
     const bool ended = now.residual > 0.5 * before && now.residual <= problem.rounding;
     if (now.residual <= tolerance || ended) {
       at.status = problem.guided(now) ? StaticsStatus::converged : StaticsStatus::folded;
-      legs = now.legs;
+      legs = problem.with_bow_masses(now, at);
       return at;
     }
     if (at.iterations == search.options.max_iterations) return at;

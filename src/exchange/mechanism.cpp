@@ -199,7 +199,8 @@ Machine without_springs(Machine machine) {
 
 }  // namespace
 
-Mechanism mechanism(const Machine& machine, const Pose& X_BP, dynamics::ModelKind kind) {
+Mechanism mechanism(const Machine& of_file, const Pose& X_BP, dynamics::ModelKind kind) {
+  const auto machine = dynamics::with_pressed_seals(of_file, kind, X_BP);
   const auto linear = dynamics::linear_model(machine, X_BP, kind);
   const auto rigid = dynamics::linear_model(machine, X_BP, dynamics::ModelKind::rigid);
   const auto modes = modal::normal_modes(linear);
@@ -220,7 +221,7 @@ Mechanism mechanism(const Machine& machine, const Pose& X_BP, dynamics::ModelKin
           hydraulics::servo_axis(machine, static_cast<int>(i)).friction.viscous;
       added.of_chambers = 0.0;
       for (const auto& arm : linear.arms)
-        if (arm.leg == static_cast<int>(i) && arm.rate > 0.0)
+        if (arm.what == dynamics::Relaxing::oil && arm.leg == static_cast<int>(i) && arm.rate > 0.0)
           added.of_chambers += damper_at(arm, oil_omega);
     }
     result.legs[i] = leg_mechanism(damped.legs[i], linear.legs[i], linear.statics.legs[i], kind,
@@ -242,6 +243,10 @@ Mechanism mechanism(const Machine& machine, const Pose& X_BP, dynamics::ModelKin
     result.parity.push_back({Held::approximate, "bending of rods and cases",
                              "a spring in series with the guide sleeve at this pose; mass stays on "
                              "the straight lines between the joints and the piston"});
+  if (kind != dynamics::ModelKind::rigid && model::has_elastomers(machine))
+    result.parity.push_back({Held::absent, "elastomer seals",
+                             "springs of slow motions alone: neither the higher stiffness of quick "
+                             "motions nor the loss factor is held"});
   if (modes.omega2[0] < 0.0)
     result.parity.push_back(
         {Held::exact, "UNSTABLE at this pose",

@@ -42,7 +42,6 @@ std::optional<double> rod_diameter(const Leg& leg) {
 }
 
 bool has_leg_dampers(const Machine& machine) {
-  if (has_elastomers(machine)) return true;
   return std::ranges::any_of(machine.legs, [](const Leg& leg) {
     return leg.guide_sleeve.damping != 0.0 || leg.oil_spring.damping != 0.0 ||
            (leg.piston_ring && leg.piston_ring->damping != 0.0);
@@ -59,7 +58,8 @@ ModalRatio modal_ratio(const Machine& machine) {
 
 ModalRatio seal_ratio(const Machine& machine) {
   if (machine.damping.modal_ratio) return {*machine.damping.modal_ratio, false};
-  if (has_leg_dampers(machine) || has_rayleigh_damping(machine)) return {0.0, false};
+  if (has_leg_dampers(machine) || has_elastomers(machine) || has_rayleigh_damping(machine))
+    return {0.0, false};
   return {default_modal_ratio, true};
 }
 

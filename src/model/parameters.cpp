@@ -279,7 +279,9 @@ std::string_view table_of(std::string_view path) {
   return path.substr(0, dot == std::string_view::npos ? 0 : dot);
 }
 
-bool of_mechanics(const ParameterId& id) {
+namespace {
+/// In every machine.
+bool always_of_mechanics(const ParameterId& id) {
   const auto rows = parameter_table();
   const auto& above = tables_above();
   for (std::size_t r = id.row;; r = above[r]) {
@@ -287,18 +289,20 @@ bool of_mechanics(const ParameterId& id) {
     if (above[r] == r) return true;
   }
 }
+}  // namespace
 
 bool of_mechanics(const Machine& machine, const ParameterId& id) {
-  if (of_mechanics(id)) return true;
+  if (always_of_mechanics(id)) return true;
   constexpr std::array<std::string_view, 5> of_beams{"legs.case.diameter", "legs.case.wall",
                                                      "legs.rod.diameter", "legs.rod.wall",
                                                      "legs.rod.youngs_modulus"};
   if (has_elastic_legs(machine) && std::ranges::count(of_beams, row_of(id).path) > 0) return true;
-  if (!has_chambers(machine)) return false;
-  constexpr std::array<std::string_view, 5> of_chambers{
-      "legs.valve.", "legs.leakage.", "legs.friction.", "legs.equivalent_cylinder.", "supply."};
   const std::string_view path = row_of(id).path;
-  return std::ranges::any_of(of_chambers,
+  if (has_chambers(machine) && path.starts_with("legs.friction.")) return true;
+  if (!has_chambers(machine) && !has_pressed_seals(machine)) return false;
+  constexpr std::array<std::string_view, 4> of_pressures{"legs.valve.", "legs.leakage.",
+                                                         "legs.equivalent_cylinder.", "supply."};
+  return std::ranges::any_of(of_pressures,
                              [&](std::string_view table) { return path.starts_with(table); });
 }
 

@@ -48,6 +48,7 @@ std::string damping_text(const model::Machine& machine) {
   if (ratio.value > 0.0)
     add(fmt::format("{:.3g} % of critical in every mode", 100.0 * ratio.value));
   if (model::has_leg_dampers(machine)) add("viscous dampers of the legs");
+  if (model::has_elastomers(machine)) add("loss factors of the elastomer seals");
   const auto& damping = machine.damping;
   if (model::has_rayleigh_damping(machine))
     add(fmt::format("Rayleigh α = {:.3g} 1/s, β = {:.3g} s", damping.rayleigh_mass,

@@ -16,18 +16,33 @@ bool stretch_alike(const dynamics::RelaxingArm& a, const dynamics::RelaxingArm& 
   return a.leg == b.leg && a.what == b.what && a.axis == b.axis;
 }
 
+/// One object for all lines: what stretches alike is found once.
 struct RelaxingFrequencies : Frequencies {
   std::vector<Relaxed> relaxed{};
 
-  RelaxingFrequencies(const ResponseModel& model, const Frequencies& f) : Frequencies(f) {
-    for (const auto& arm : model.arms) {
-      const Reals damper = arm.stiffness * arm.rate / (f.omega2 + arm.rate * arm.rate);
+  explicit RelaxingFrequencies(const ResponseModel& model) : arms_(model.arms) {
+    for (const auto& arm : arms_) {
       auto alike = std::ranges::find_if(
           relaxed, [&](const Relaxed& one) { return stretch_alike(*one.first, arm); });
       if (alike == relaxed.end()) alike = relaxed.insert(alike, {.first = &arm});
-      alike->sum += {damper * arm.rate, -damper * f.omega};
+      part_of_.push_back(static_cast<std::size_t>(alike - relaxed.begin()));
     }
   }
+
+  RelaxingFrequencies& at(const Frequencies& f) {
+    static_cast<Frequencies&>(*this) = f;
+    for (auto& one : relaxed) one.sum = {Reals::Zero(), Reals::Zero()};
+    for (std::size_t j = 0; j < arms_.size(); ++j) {
+      const auto& arm = arms_[j];
+      const Reals damper = arm.stiffness * arm.rate / (f.omega2 + arm.rate * arm.rate);
+      relaxed[part_of_[j]].sum += {damper * arm.rate, -damper * f.omega};
+    }
+    return *this;
+  }
+
+ private:
+  std::span<const dynamics::RelaxingArm> arms_;
+  std::vector<std::size_t> part_of_{};  ///< per arm its place in `relaxed`
 };
 
 /// D less what the arms give back.
@@ -44,8 +59,9 @@ inline Numbers stiffness(const ResponseModel& model, const RelaxingFrequencies& 
 
 void eliminate_relaxing(const ResponseModel& model, std::span<const double> omega,
                         std::span<Matrix6c> out) {
+  RelaxingFrequencies lines(model);
   eliminate_lanes(model, omega, out,
-                  [&](const Frequencies& f) { return RelaxingFrequencies(model, f); });
+                  [&](const Frequencies& f) -> const RelaxingFrequencies& { return lines.at(f); });
 }
 
 }  // namespace hydrapod::response

@@ -81,25 +81,23 @@ void Plant::arms_side(const double* x, double* rate, dynamics::Loads& loads,
 }
 
 void Plant::arms_outputs(const double* x, const Work& work, PlantOutput& out) const {
-  for_seals(work.motion, [&](size_t, bool, const Vector2& offset, const dynamics::SealArms& arms,
-                             int first) {
-    for_arms(arms, first, [&](const dynamics::SealArm& arm, int at) {
-      const double square = (offset - Vector2(x[at], x[at + 1])).squaredNorm();
-      out.seal_arms_energy += 0.5 * arm.stiffness * square;
-      out.dissipation += arm.stiffness * arm.rate * square;
-    });
-  });
+  for_seals(work.motion,
+            [&](size_t, bool, const Vector2& offset, const dynamics::SealArms& arms, int first) {
+              for_arms(arms, first, [&](const dynamics::SealArm& arm, int at) {
+                const double square = (offset - Vector2(x[at], x[at + 1])).squaredNorm();
+                out.seal_arms_energy += 0.5 * arm.stiffness * square;
+                out.dissipation += arm.stiffness * arm.rate * square;
+              });
+            });
 }
 
 /// Relaxed, where the mechanics of `x` stand.
 void Plant::arms_at_rest(Eigen::VectorXd& x) const {
   if (layout_.arms < 0) return;
-  for_seals(motion(x.data()),
-            [&](size_t, bool, const Vector2& offset, const dynamics::SealArms& arms, int first) {
-              for_arms(arms, first, [&](const dynamics::SealArm&, int at) {
-                x.segment<2>(at) = offset;
-              });
-            });
+  for_seals(motion(x.data()), [&](size_t, bool, const Vector2& offset,
+                                  const dynamics::SealArms& arms, int first) {
+    for_arms(arms, first, [&](const dynamics::SealArm&, int at) { x.segment<2>(at) = offset; });
+  });
 }
 
 }  // namespace hydrapod::simulation

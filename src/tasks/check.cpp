@@ -63,7 +63,8 @@ void warn_of_contact(PoseCheck& result) {
   if (!on_guide.legs.empty()) result.warnings.push_back(on_guide);
 }
 
-void add_statics(const model::Machine& machine, dynamics::ModelKind kind, PoseCheck& result) {
+void add_statics(const model::Machine& of_file, dynamics::ModelKind kind, PoseCheck& result) {
+  const auto machine = dynamics::with_pressed_seals(of_file, kind, result.pose.X_BP);
   const auto statics = dynamics::static_equilibrium(machine, result.pose.X_BP, kind);
   result.equilibrium = statics.status == dynamics::StaticsStatus::converged;
   for (int i = 0; i < model::leg_count; ++i) {
@@ -81,7 +82,8 @@ void add_buckling(const model::Machine& machine, dynamics::ModelKind kind, PoseC
   model::Machine loaded = machine;
   const double just_below = 1.0 - dynamics::BucklingOptions{}.tolerance;  // of the bracketed load
   loaded.platform.mass = just_below * (machine.platform.mass + result.buckling.payload);
-  const auto model = dynamics::linear_model(loaded, result.pose.X_BP, kind, &result.buckling.last);
+  auto model = dynamics::linear_model(loaded, result.pose.X_BP, kind, &result.buckling.last);
+  model.K = dynamics::slow_stiffness(model);  // the load stays: elastomers relax under it
   result.lowest_at_buckling = modal::normal_modes(model).omega(0);
 }
 

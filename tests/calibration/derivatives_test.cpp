@@ -7,9 +7,11 @@
 
 #include "calibration/problem.hpp"
 #include "hydrapod/calibration/calibrate.hpp"
+#include "hydrapod/modal/damped_modes.hpp"
 #include "hydrapod/modal/normal_modes.hpp"
 #include "support/calibration_machine.hpp"
 #include "support/run_program.hpp"
+#include "support/symmetric_machine.hpp"
 
 namespace hydrapod {
 namespace {
@@ -194,6 +196,20 @@ TEST(Derivatives, OfARepeatedPairArePartedByTheParameterThatSplitsIt) {
                 1e-3 * std::abs(point.domega2(1, 0) * h));
   }
   EXPECT_GT(point.domega2(1, 0), 1.5 * point.domega2(0, 0));
+}
+
+/// Six equal legs have many modes of one frequency, where a damped mode is like several undamped
+/// ones. Every damped one belongs to one undamped one.
+TEST(DampedModes, BelongToOneUndampedModeEach) {
+  auto machine = test::symmetric_machine(9.81);
+  for (auto& leg : machine.legs)
+    leg.guide_sleeve.elastomer = {.dynamic_ratio = 2.1, .loss_factor = 0.31, .frequency = 5.7};
+  const auto point = calibration::mode_point(machine, 0, ModelKind::guide);
+  auto damped = modal::damped_modes(point.model, point.modes, 0.0);
+  ASSERT_EQ(point.damped_omega.size(), damped.size());
+  auto found = point.damped_omega;
+  std::ranges::sort(found);
+  for (std::size_t k = 0; k < damped.size(); ++k) EXPECT_EQ(found[k], damped[k].omega) << k;
 }
 
 /// ω scales with the root of all springs, and with 1/√ of all that has mass.

@@ -200,7 +200,7 @@ TEST(PressedSeals, AreAsStiffAsThePressuresOfTheOilAtRestMakeThem) {
     leg.piston_ring->elastomer = leg.guide_sleeve.elastomer;
     leg.hydraulics.equivalent_cylinder = {.area_ratio = 0.47, .area = 1.1e-3};
   }
-  const auto pressed = dynamics::with_pressed_seals(machine, machine.neutral());
+  const auto pressed = dynamics::with_pressed_seals(machine, ModelKind::full, machine.neutral());
   // Both chambers hold the leg: p_cap A − p_rod e A = F + p_0 (1 − e) A.
   const auto statics = dynamics::static_equilibrium(machine, machine.neutral(), ModelKind::rigid);
   for (std::size_t i = 0; i < model::leg_count; ++i) {

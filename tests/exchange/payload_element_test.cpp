@@ -196,6 +196,41 @@ TEST(PayloadElement, IsReadFromAPunchFileOfNastran) {
   std::filesystem::remove(path);
 }
 
+/// All heads first, as some writers have them: one matrix by its lower triangle, one as a whole.
+TEST(PayloadElement, IsReadWithEveryMatrixInTheFormThatItsHeadStates) {
+  auto element = reduced(2);
+  element.K = (0.5 * (element.K + element.K.transpose())).eval();  // to the last bit
+  const auto path =
+      (std::filesystem::temp_directory_path() / fmt::format("hydrapod-heads-{}.pch", ::getpid()))
+          .string();
+  std::ofstream file(path);
+  file << "DMIG,K2GG,0,6,2,0,,,2\nDMIG,M2GG,0,1,2,0,,,2\n";
+  const auto coordinate = [](Eigen::Index i) {
+    return i < 6 ? fmt::format("{},{}", exchange::dmig_platform, i + 1)
+                 : fmt::format("{},0", exchange::dmig_mode + i);
+  };
+  for (Eigen::Index j = 0; j < element.K.cols(); ++j)
+    for (Eigen::Index i = 0; i < element.K.rows(); ++i) {
+      const auto add = [&](const char* name, double value) {
+        file << fmt::format("DMIG,{},{},,{},{:.16e}\n", name, coordinate(j), coordinate(i), value);
+      };
+      if (i >= j) add("K2GG", element.K(i, j));
+      add("M2GG", element.M(i, j));
+    }
+  file.close();
+  const auto read = exchange::read_dmig_punch(path, exchange::dmig_platform);
+  EXPECT_LT((read.K - element.K).cwiseAbs().maxCoeff(), 1e-15 * element.K.cwiseAbs().maxCoeff());
+  EXPECT_LT((read.M - element.M).cwiseAbs().maxCoeff(), 1e-15 * element.M.cwiseAbs().maxCoeff());
+  std::ofstream(path) << "DMIG,K2GG,1001,1,,1001,1,3.1\nDMIG,K2GG,0,6,2,0\n";
+  try {
+    exchange::read_dmig_punch(path, exchange::dmig_platform);
+    ADD_FAILURE() << "expected an error";
+  } catch (const base::InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("K2GG has terms before its head"));
+  }
+  std::filesystem::remove(path);
+}
+
 std::string refusal(const PayloadElement& element) {
   try {
     exchange::payload_modes(element, {});
@@ -220,6 +255,28 @@ TEST(PayloadElement, ThatIsNoneIsRefused) {
   light.M.bottomRows(6).setZero();
   light.M.rightCols(6).setZero();
   EXPECT_THAT(refusal(light), HasSubstr("not positive definite"));
+}
+
+std::string refusal_to_attach(const model::MachineFile& file, int modes) {
+  try {
+    (void)tasks::attach_payload({.file = file, .pose = file.machine.poses[0]}, {.modes = modes});
+  } catch (const base::InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(AttachedPayload, HasOneToSixModesWithThoseOfTheFile) {
+  auto file = machine();
+  for (const int modes : {-1, 0, 7})
+    EXPECT_THAT(refusal_to_attach(file, modes), HasSubstr("expected 1 to 6")) << modes;
+  while (file.machine.payload_modes.size() < 6)
+    file.machine.payload_modes.push_back(
+        {.name = fmt::format("m{}", file.machine.payload_modes.size()), .frequency = 7.3});
+  for (const int modes : {-1, 0, 1})
+    EXPECT_THAT(refusal_to_attach(file, modes), HasSubstr("has 6 modes already")) << modes;
+  file.machine.payload_modes.resize(4);
+  EXPECT_THAT(refusal_to_attach(file, 3), HasSubstr("expected 1 to 2"));
 }
 
 }  // namespace

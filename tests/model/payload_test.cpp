@@ -77,7 +77,7 @@ TEST(PayloadModes, AreNumbersWithPaths) {
   ASSERT_TRUE(frequency);
   EXPECT_EQ(path(machine, *frequency), "payload_modes.cabin.frequency");
   EXPECT_EQ(unit(machine, *frequency), "Hz");
-  EXPECT_TRUE(of_mechanics(*frequency));
+  EXPECT_TRUE(of_mechanics(machine, *frequency));
   const auto moment = find_parameter(machine, "payload_modes.\"front frame\".participation[2]");
   ASSERT_TRUE(moment);
   EXPECT_DOUBLE_EQ(value(machine, *moment).value(), -1.7);

@@ -367,5 +367,22 @@ TEST(Bending, MakesTheSectionsOfRodAndCaseMechanical) {
   EXPECT_FALSE(of_mechanics(machine, *yield));
 }
 
+/// The pressures at rest do not know the friction.
+TEST(PressedSeals, MakeWhatThePressuresFollowFromMechanical) {
+  auto machine = full_machine();
+  const auto of = [&](const char* path) {
+    const auto id = find_parameter(machine, path);
+    return id && of_mechanics(machine, *id);
+  };
+  const std::vector<const char*> of_pressures{"supply.pressure", "supply.return_pressure",
+                                              "legs.valve.overlap", "legs.leakage.external"};
+  for (const auto* path : of_pressures) EXPECT_FALSE(of(path)) << path;
+  machine.legs[4].guide_sleeve.elastomer = {.pressure_stiffening = 3.7e-8};
+  for (const auto* path : of_pressures) EXPECT_TRUE(of(path)) << path;
+  EXPECT_FALSE(of("legs.friction.coulomb"));
+  machine.legs[4].guide_sleeve.elastomer->pressure_stiffening = 0.0;
+  for (const auto* path : of_pressures) EXPECT_FALSE(of(path)) << path;
+}
+
 }  // namespace
 }  // namespace hydrapod::model

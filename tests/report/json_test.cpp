@@ -34,6 +34,16 @@ TEST(DampingText, SaysWhatDampsAndWhatIsAssumed) {
             "β = 0 s");
 }
 
+TEST(DampingText, DoesNotTakeElastomersForViscousDampers) {
+  auto machine = symmetric_machine();
+  machine.legs[3].guide_sleeve.elastomer = {
+      .dynamic_ratio = 1.7, .loss_factor = 0.19, .frequency = 23.0};
+  EXPECT_EQ(report::damping_text(machine), "loss factors of the elastomer seals");
+  machine.legs[1].oil_spring.damping = 37.0;
+  EXPECT_EQ(report::damping_text(machine),
+            "viscous dampers of the legs + loss factors of the elastomer seals");
+}
+
 /// ζ of chambers follows from numbers that few files have; those that the program chose are named.
 TEST(DampingText, OfChambersNamesWhatTheFileLeavesOpen) {
   auto machine = symmetric_machine();

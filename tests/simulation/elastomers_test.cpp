@@ -45,6 +45,10 @@ TEST(PlantWithElastomers, OscillatesAtThePolesOfTheLinearModel) {
       ASSERT_TRUE(plant.derivative(0.0, rest.x.data(), rest.input, rate.data()));
       EXPECT_LT(rate.segment(0, plant.layout().positions).norm(), 1e-12);
       EXPECT_LT(rate.tail(plant.layout().size - plant.layout().arms).norm(), 1e-12);
+      for (std::size_t i = 0; i < model::leg_count; ++i) {
+        EXPECT_EQ(plant.layout().sleeve_arms[i] >= 0, i != 2);
+        EXPECT_EQ(plant.layout().ring_arms[i] >= 0, kind == ModelKind::full && i % 2 == 1);
+      }
       const auto linear = plant.linearise(rest.x, rest.input);
       Eigen::VectorXd d(linear.A.rows());  // the rotation has three numbers there
       d << plant.scales().head(3), plant.scales().segment(4, linear.A.rows() - 3);
@@ -53,6 +57,8 @@ TEST(PlantWithElastomers, OscillatesAtThePolesOfTheLinearModel) {
       const auto model = dynamics::linear_model(machine, X_BP, kind);
       const auto modes =
           modal::damped_modes(model, modal::normal_modes(model), model::modal_ratio(machine).value);
+      // A state of a seal that is no elastomer would have a pole at zero.
+      EXPECT_GT(poles.cwiseAbs().minCoeff(), 1e-6);
       for (const auto& mode : modes) {
         if (!(mode.pole.imag() > 0.0)) continue;
         double nearest = 1e300;

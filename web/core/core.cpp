@@ -119,7 +119,7 @@ Json Core::parameters() const {
                     {"value", *model::value(machine_, id)},
                     {"bound", bound_json(row.bound)},
                     {"meaning", row.meaning},
-                    {"mechanics", model::of_mechanics(id)},
+                    {"mechanics", model::of_mechanics(machine_, id)},
                     {"single", id.of != 0 && !row.path.starts_with("poses.") &&
                                    !row.path.starts_with("payload_modes.")}});
     if (row.numbers == 1 || id.element == model::whole) continue;
@@ -256,7 +256,7 @@ Json Core::sensitivities(const Json& request) const {
   Json json = Json::object();
   for (const auto& [path, id] : parameters_) {
     const double value = *model::value(machine_, id);
-    if (!model::of_mechanics(id) || value == 0.0) continue;
+    if (!model::of_mechanics(machine_, id) || value == 0.0) continue;
     if (id.of != 0 && !model::row_of(id).path.starts_with("poses.")) continue;
     try {
       const model::Assignment more[]{{id, value * (1.0 + step)}},

@@ -1,0 +1,68 @@
+/// `check` of machines whose seals are elastomers, against those with ideal springs.
+
+#include <gtest/gtest.h>
+
+#include "hydrapod/tasks/linear.hpp"
+#include "support/symmetric_machine.hpp"
+
+namespace hydrapod::test {
+namespace {
+
+using dynamics::ModelKind;
+
+report::PoseCheck check_of(const model::Machine& machine, ModelKind kind = ModelKind::guide) {
+  model::MachineFile file;
+  file.machine = machine;
+  return tasks::check({.file = file, .pose = {"neutral", machine.neutral()}, .kind = kind}, {})
+      .front();
+}
+
+TEST(CheckOfElastomers, HasTheOffsetsOfSealsUnderPressure) {
+  auto machine = symmetric_machine(9.81);
+  for (auto& leg : machine.legs) {
+    leg.hydraulics.equivalent_cylinder = {.area_ratio = 0.53, .area = 1.3e-3};
+    leg.guide_sleeve.gap = 0.61e-3;  // the rods lie on their guides
+    leg.guide_sleeve.guide_stiffness = 2.3e7;
+    leg.guide_sleeve.elastomer = {.dynamic_ratio = 1.7,
+                                  .loss_factor = 0.21,
+                                  .frequency = 13.0,
+                                  .pressure_stiffening = 4.1e-8};
+    leg.piston_ring->elastomer = leg.guide_sleeve.elastomer;
+  }
+  auto ideal = dynamics::with_pressed_seals(machine, ModelKind::full, machine.neutral());
+  for (auto& leg : ideal.legs) {
+    leg.guide_sleeve.elastomer.reset();
+    leg.piston_ring->elastomer.reset();
+  }
+  const auto found = check_of(machine, ModelKind::full), wanted = check_of(ideal, ModelKind::full);
+  ASSERT_TRUE(found.equilibrium);
+  for (std::size_t i = 0; i < model::leg_count; ++i) {
+    const auto &a = found.legs[i], &b = wanted.legs[i];
+    EXPECT_GT(a.sleeve_offset, 1e-4);
+    EXPECT_NEAR(a.sleeve_offset, b.sleeve_offset, 1e-12 * b.sleeve_offset);
+    EXPECT_NEAR(*a.ring_offset, *b.ring_offset, 1e-12 * *b.ring_offset);
+    EXPECT_NEAR(a.tilt, b.tilt, 1e-12 * b.tilt);
+    EXPECT_EQ(a.on_guide, b.on_guide);
+  }
+}
+
+/// Heavy legs end at a limit point, where quick motions still meet stiff seals.
+TEST(CheckOfElastomers, StatesTheLowestFrequencyOfSlowMotionsAtTheBucklingLoad) {
+  const auto ideal = symmetric_machine(9.81);
+  auto machine = ideal;
+  for (auto& leg : machine.legs)
+    leg.guide_sleeve.elastomer = {.dynamic_ratio = 1.9, .loss_factor = 0.13, .frequency = 17.0};
+  const auto found = check_of(machine), wanted = check_of(ideal);
+  ASSERT_TRUE(wanted.lowest_at_buckling);
+  ASSERT_TRUE(found.lowest_at_buckling);
+  // Both loads are bisected to 1e-6, and near a limit point ω² goes with the root of what is left.
+  EXPECT_NEAR(*found.lowest_at_buckling, *wanted.lowest_at_buckling,
+              0.05 * *wanted.lowest_at_buckling);
+  auto rigid_arms = machine;
+  rigid_arms.platform.mass += wanted.buckling.payload * 0.999;
+  const auto quick = dynamics::linear_model(rigid_arms, machine.neutral(), ModelKind::guide);
+  EXPECT_LT(*found.lowest_at_buckling, 0.8 * modal::normal_modes(quick).omega(0));
+}
+
+}  // namespace
+}  // namespace hydrapod::test
