@@ -198,12 +198,15 @@ TEST(Derivatives, OfARepeatedPairArePartedByTheParameterThatSplitsIt) {
   EXPECT_GT(point.domega2(1, 0), 1.5 * point.domega2(0, 0));
 }
 
-/// Six equal legs have many modes of one frequency, where a damped mode is like several undamped
-/// ones. Every damped one belongs to one undamped one.
+/// Six legs with equal springs have many undamped modes of one frequency, in which all legs move.
+/// Dampers that differ make damped modes of single legs of them, each like several undamped ones.
 TEST(DampedModes, BelongToOneUndampedModeEach) {
   auto machine = test::symmetric_machine(9.81);
-  for (auto& leg : machine.legs)
-    leg.guide_sleeve.elastomer = {.dynamic_ratio = 2.1, .loss_factor = 0.31, .frequency = 5.7};
+  for (std::size_t i = 0; i < model::leg_count; ++i) {
+    auto& sleeve = machine.legs[i].guide_sleeve;
+    sleeve.elastomer = {.dynamic_ratio = 2.1, .loss_factor = 0.31, .frequency = 5.7};
+    sleeve.damping = 31.0 * static_cast<double>(i * i);
+  }
   const auto point = calibration::mode_point(machine, 0, ModelKind::guide);
   auto damped = modal::damped_modes(point.model, point.modes, 0.0);
   ASSERT_EQ(point.damped_omega.size(), damped.size());

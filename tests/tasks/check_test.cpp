@@ -21,6 +21,8 @@ TEST(CheckOfElastomers, HasTheOffsetsOfSealsUnderPressure) {
   auto machine = symmetric_machine(9.81);
   for (auto& leg : machine.legs) {
     leg.hydraulics.equivalent_cylinder = {.area_ratio = 0.53, .area = 1.3e-3};
+    leg.bending = model::LegBending::elastic;  // in series with the seals
+    leg.rod.diameter = 0.021;
     leg.guide_sleeve.gap = 0.61e-3;  // the rods lie on their guides
     leg.guide_sleeve.guide_stiffness = 2.3e7;
     leg.guide_sleeve.elastomer = {.dynamic_ratio = 1.7,
