@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <type_traits>
 
 namespace hydrapod::modal {
 
@@ -9,6 +10,7 @@ namespace {
 
 constexpr int lanes = 8;  // shapes that go through together, one per SIMD lane
 using Numbers = Eigen::Array<double, lanes, 1>;
+constexpr std::size_t cache_line = 64;  // arrays of Numbers that begin at one cross none
 using Sextet = std::array<Numbers, model::leg_count>;
 using Shapes = std::array<Numbers, dynamics::max_dof>;  ///< one Numbers per coordinate
 
@@ -17,7 +19,7 @@ Numbers sum(const Sextet& parts) {
 }
 
 /// Twice the energies of some shapes, kinetic at ω = 1.
-struct Energies {
+struct alignas(cache_line) Energies {
   Sextet platform, legs, oil, guide_sleeve, piston_ring, bending;
   Sextet base{Numbers::Zero(), Numbers::Zero(), Numbers::Zero(),
               Numbers::Zero(), Numbers::Zero(), Numbers::Zero()};
@@ -26,9 +28,12 @@ struct Energies {
   Numbers elastic_and_geometric{Numbers::Zero()};  ///< φᵀ K φ; only where there is preload
 };
 
-/// xᵀ A x for symmetric A.
-template <typename Matrix>
-Numbers quadratic(const Matrix& A, const Numbers* x, int size) {
+template <int size>
+constexpr std::integral_constant<int, size> fixed{};
+
+/// xᵀ A x for symmetric A. `size`: a number, or fixed<number>.
+template <typename Matrix, typename Size>
+Numbers quadratic(const Matrix& A, const Numbers* x, Size size) {
   Numbers total = Numbers::Zero();
   for (int i = 0; i < size; ++i) {
     Numbers row = A(i, i) * x[i];
@@ -38,8 +43,8 @@ Numbers quadratic(const Matrix& A, const Numbers* x, int size) {
   return total;
 }
 
-template <typename Row>
-Numbers product(const Row& row, const Numbers* x, int size) {
+template <int size, typename Row>
+Numbers product(const Row& row, const Numbers* x) {
   Numbers total = row[0] * x[0];
   for (int j = 1; j < size; ++j) total += row[j] * x[j];
   return total;
@@ -68,9 +73,9 @@ OnBase on_base(const LinearModel& model, const Shapes& y) {
 template <int size>
 Numbers carried_energy(const dynamics::LegOnBase& leg, const std::array<Numbers, size>& x,
                        const Sextet& base) {
-  Numbers energy = quadratic(leg.inertia, base.data(), 6);
+  Numbers energy = quadratic(leg.inertia, base.data(), fixed<6>);
   for (int d = 0; d < 6; ++d)
-    energy += 2.0 * base[d] * product(leg.momentum.row(d), x.data(), size);
+    energy += 2.0 * base[d] * product<size>(leg.momentum.row(d), x.data());
   return energy;
 }
 
@@ -81,24 +86,24 @@ void add_leg(const LinearModel& model, int i, const Shapes& y, const Numbers* pl
              const Sextet* base = nullptr) {
   const auto& leg = model.legs[i];
   constexpr int size = 3 + flexible;
-  std::array<Numbers, size> x;
-  for (int k = 0; k < 3; ++k) x[k] = product(model.J[i].row(k), platform, 6);
+  alignas(cache_line) std::array<Numbers, size> x;
+  for (int k = 0; k < 3; ++k) x[k] = product<6>(model.J[i].row(k), platform);
   for (int k = 0; k < flexible; ++k) x[3 + k] = y[6 + flexible * i + k];
-  e.legs[i] = quadratic(leg.M, x.data(), size);
+  e.legs[i] = quadratic(leg.M, x.data(), fixed<size>);
   if (base != nullptr) e.legs[i] += carried_energy<size>(model.legs_on_base[i], x, *base);
-  e.oil[i] = leg.k_h * product(leg.s_x, x.data(), size).square();
+  e.oil[i] = leg.k_h * product<size>(leg.s_x, x.data()).square();
   e.guide_sleeve[i].setZero();
   e.piston_ring[i].setZero();
   e.bending[i].setZero();
   if constexpr (flexible > 0) {
-    const Numbers along_t = product(leg.d_x.row(0), x.data(), size),
-                  along_2 = product(leg.d_x.row(1), x.data(), size);
+    const Numbers along_t = product<size>(leg.d_x.row(0), x.data()),
+                  along_2 = product<size>(leg.d_x.row(1), x.data());
     e.guide_sleeve[i] = (leg.k_s + leg.k_contact) * (along_t.square() + along_2.square());
     if (leg.k_contact > 0.0)
       e.guide_sleeve[i] += (leg.contact_root[0] * along_t + leg.contact_root[1] * along_2).square();
     if (leg.bending > 0.0)
-      e.bending[i] = leg.bending * (product(leg.F_x.row(0), x.data(), size).square() +
-                                    product(leg.F_x.row(1), x.data(), size).square());
+      e.bending[i] = leg.bending * (product<size>(leg.F_x.row(0), x.data()).square() +
+                                    product<size>(leg.F_x.row(1), x.data()).square());
   }
   if constexpr (flexible > 2) e.piston_ring[i] = leg.k_g * (x[5].square() + x[6].square());
 }
@@ -117,7 +122,7 @@ void add_legs_and_base(const LinearModel& model, const Shapes& y, Energies& e) {
 void add_payload(const LinearModel& model, const Shapes& y, Energies& e) {
   for (int k = 0; k < model.payload_count(); ++k) {
     const Numbers& xi = y[model.first_of_payload() + k];
-    e.payload += (xi + product(model.payload.col(k), y.data(), 6)).square();
+    e.payload += (xi + product<6>(model.payload.col(k), y.data())).square();
     e.payload_elastic += model.payload_omega2[static_cast<std::size_t>(k)] * xi.square();
   }
 }
@@ -126,12 +131,12 @@ template <int flexible>
 Energies energies(const LinearModel& model, const Shapes& y) {
   Energies e;
   for (int i = 0; i < 6; ++i)
-    e.platform[i] = y[i] * product(model.platform_mass.col(i), y.data(), 6);
+    e.platform[i] = y[i] * product<6>(model.platform_mass.col(i), y.data());
   if (model.base_count() > 0) {
     add_legs_and_base<flexible>(model, y, e);
   } else {
     for (int i = 0; i < model::leg_count; ++i) add_leg<flexible>(model, i, y, y.data(), e);
-    if (model.base_moves) e.base_mount = quadratic(model.K_mount, y.data(), 6);
+    if (model.base_moves) e.base_mount = quadratic(model.K_mount, y.data(), fixed<6>);
   }
   add_payload(model, y, e);
   if (model.statics.iterations > 0)
@@ -173,8 +178,7 @@ void normalise(const LinearModel& model, Energies& e) {
   if (preloaded) e.elastic_and_geometric = (e.elastic_and_geometric - elastic) * per_elastic;
 }
 
-EnergyShares lane(const Energies& shares, int k) {
-  EnergyShares one;
+void take_lane(const Energies& shares, int k, EnergyShares& one) {
   for (int i = 0; i < 6; ++i) {
     one.platform[i] = shares.platform[i][k];
     one.legs[i] = shares.legs[i][k];
@@ -188,7 +192,6 @@ EnergyShares lane(const Energies& shares, int k) {
   one.payload = shares.payload[k];
   one.payload_elastic = shares.payload_elastic[k];
   one.preload = shares.elastic_and_geometric[k];
-  return one;
 }
 
 }  // namespace
@@ -197,23 +200,23 @@ std::vector<EnergyShares> energy_shares(const LinearModel& model,
                                         const Eigen::Ref<const ModelMatrix>& shapes) {
   const int count = static_cast<int>(shapes.cols());
   std::vector<EnergyShares> list(count);
-  Shapes y;
+  alignas(cache_line) Shapes y;
+  Eigen::Map<Eigen::Matrix<double, lanes, Eigen::Dynamic>> rows(y.front().data(), lanes,
+                                                                model.dof());
   for (int first = 0; first < count; first += lanes) {
     const int now = std::min(lanes, count - first);
-    for (int k = 0; k < lanes; ++k) {
-      const auto shape = shapes.col(first + std::min(k, now - 1));
-      for (int j = 0; j < model.dof(); ++j) y[j][k] = shape[j];
-    }
+    for (int k = 0; k < lanes; ++k)
+      rows.row(k) = shapes.col(first + std::min(k, now - 1)).transpose();
     Energies e = energies(model, y);
     normalise(model, e);
-    for (int k = 0; k < now; ++k) list[first + k] = lane(e, k);
+    for (int k = 0; k < now; ++k) take_lane(e, k, list[first + k]);
   }
   return list;
 }
 
 EnergyShares energy_shares(const LinearModel& model, const ModelVector& real,
                            const ModelVector& imaginary) {
-  Shapes y;
+  alignas(cache_line) Shapes y;
   for (int j = 0; j < model.dof(); ++j) {
     y[j].setConstant(real[j]);
     y[j][1] = imaginary[j];
@@ -225,7 +228,9 @@ EnergyShares energy_shares(const LinearModel& model, const ModelVector& real,
   for (Numbers* part : {&e.base_mount, &e.payload, &e.payload_elastic}) (*part)[0] += (*part)[1];
   e.elastic_and_geometric[0] += e.elastic_and_geometric[1];
   normalise(model, e);
-  return lane(e, 0);
+  EnergyShares shares;
+  take_lane(e, 0, shares);
+  return shares;
 }
 
 }  // namespace hydrapod::modal
