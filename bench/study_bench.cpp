@@ -2,6 +2,7 @@
 
 #include <benchmark/benchmark.h>
 
+#include <array>
 #include <cmath>
 
 #include "hydrapod/study/study.hpp"
@@ -49,6 +50,44 @@ void lanes(benchmark::State& state, bool gravity) {
 BENCHMARK_CAPTURE(lanes, designs, false);
 BENCHMARK_CAPTURE(lanes, designs_gravity, true);
 
+/// Their frequencies without shapes, the kernel alone.
+void lane_frequencies(benchmark::State& state, bool gravity) {
+  const auto machine = published(gravity);
+  study::LaneDesigns designs(study::usable_kernels().front(), ModelKind::guide,
+                             study::lane_options(machine, 0.05), {});
+  for (int lane = 0; lane < designs.lanes(); ++lane)
+    designs.put(lane,
+                study::lane_numbers(scattered(machine, lane), machine.neutral(), nullptr, nullptr));
+  while (state.KeepRunningBatch(designs.lanes())) {
+    designs.solve_frequencies(designs.lanes());
+    benchmark::ClobberMemory();
+  }
+  std::array<double, study::most_modes> omega2{};
+  for (int lane = 0; lane < designs.lanes(); ++lane)
+    if (!designs.frequencies(lane, omega2.data()))
+      state.SkipWithError("a design had to be computed alone");
+}
+BENCHMARK_CAPTURE(lane_frequencies, designs, false);
+BENCHMARK_CAPTURE(lane_frequencies, designs_gravity, true);
+
+/// From numbers to frequencies, as from Python.
+void design_frequencies(benchmark::State& state, bool gravity) {
+  const auto machine = published(gravity);
+  const auto id = *model::find_parameter(machine, "legs.guide_sleeve.stiffness");
+  study::DesignFrequencies frequencies(machine, machine.neutral(), ModelKind::guide, {id});
+  constexpr std::size_t count = 64;
+  std::array<double, count> values{};
+  for (std::size_t k = 0; k < count; ++k)
+    values[k] = machine.legs[0].guide_sleeve.stiffness * (0.9 + 0.003 * static_cast<double>(k));
+  std::array<double, count * 18> omega{};
+  while (state.KeepRunningBatch(count)) {
+    frequencies(values, omega);
+    benchmark::ClobberMemory();
+  }
+}
+BENCHMARK_CAPTURE(design_frequencies, machine, false);
+BENCHMARK_CAPTURE(design_frequencies, machine_gravity, true);
+
 /// The same designs one at a time, without the outputs of a row.
 void one_at_a_time(benchmark::State& state, bool gravity) {
   const auto nominal = published(gravity);
@@ -87,5 +126,26 @@ void rows(benchmark::State& state, bool gravity) {
 }
 BENCHMARK_CAPTURE(rows, study, false);
 BENCHMARK_CAPTURE(rows, study_gravity, true);
+
+/// Poses of `hydrapod map` over x, y and rz, files excluded.
+void poses(benchmark::State& state) {
+  const auto machine = bench::published();
+  std::vector<study::Input> inputs;
+  for (const auto& [name, reach] : {std::pair{"x", 0.05}, {"y", 0.05}, {"rz", 0.1}})
+    inputs.push_back(
+        {.name = name, .distribution = {.shape = study::Shape::uniform, .a = -reach, .b = reach}});
+  const auto problem = study::machine_problem(
+      machine, inputs, {.kind = ModelKind::guide, .X_BP = machine.neutral(), .poses = true});
+  study::Evaluator evaluator(problem);
+  constexpr std::size_t count = 64;
+  std::vector<double> numbers(count * (problem.inputs.size() + problem.outputs.size()));
+  std::uint64_t first = 0;
+  while (state.KeepRunningBatch(count)) {
+    if (evaluator.rows({.samples = 1U << 30U}, first, numbers) > 0)
+      state.SkipWithError("a row had to be computed alone");
+    first += count;
+  }
+}
+BENCHMARK(poses);
 
 }  // namespace

@@ -163,6 +163,7 @@ def frequencies(machine: Machine, designs: Mapping[str, Any], *, threads: int = 
 
     designs: {PATH: values in SI}; arrays of one length, or numbers that hold for all. A design that does not
     stand at the pose has NaN. Values are not checked for being sensible: check the extremes with with_().
+    Designs of an array are computed in SIMD lanes: they are those of single ones to 1e-12 (1e-11 under gravity).
     """
     core = _core_of(machine)
     if not designs:

@@ -10,6 +10,7 @@
 #include "hydrapod/dynamics/linear_model.hpp"
 #include "hydrapod/modal/normal_modes.hpp"
 #include "hydrapod/model/machine_file.hpp"
+#include "hydrapod/study/study.hpp"
 #include "hydrapod/tasks/linear.hpp"
 #include "support.hpp"
 
@@ -71,19 +72,19 @@ py::array frequencies(const Subject& machine, const std::vector<std::string>& pa
   const int modes = dynamics::degrees_of_freedom(machine.file.machine, machine.kind);
   py::array_t<double> result({static_cast<py::ssize_t>(count), static_cast<py::ssize_t>(modes)});
   double* out = result.mutable_data();
-  const auto one = [&](std::size_t k) {
-    design_frequencies(machine, ids, numbers + k * columns,
-                       out + k * static_cast<std::size_t>(modes), modes);
-  };
-  constexpr std::size_t block = 64;  // designs between two looks at signals
+  const auto width = static_cast<std::size_t>(modes);
+  constexpr std::size_t block = 512;  // designs between two looks at signals
   const bool all = at_work(progress, [&](const numerics::Progress& watch) {
-    return numerics::parallel_for((count + block - 1) / block, threads,
-                                  [&](std::size_t b) {
-                                    for (std::size_t k = b * block;
-                                         k < std::min(count, (b + 1) * block); ++k)
-                                      one(k);
-                                  },
-                                  watch);
+    return numerics::parallel_for(
+        (count + block - 1) / block, threads,
+        [&](std::size_t b) {
+          const std::size_t first = b * block, here = std::min(block, count - first);
+          study::DesignFrequencies of(machine.file.machine, machine.pose.X_BP, machine.kind, ids);
+          double* const to = out + first * width;
+          of({numbers + first * columns, here * columns}, {to, here * width});
+          for (std::size_t k = 0; k < here * width; ++k) to[k] /= base::two_pi;
+        },
+        watch);
   });
   if (!all) throw base::ComputationError("interrupted before all designs were computed");
   return result;

@@ -143,7 +143,7 @@ def test_frequencies_of_designs(heavy):
     for value, row in zip(stiffness, all_at_once):
         machine = heavy.with_({sleeve: value, "platform.mass": 13750.5}).using("guide")
         one = hydrapod.frequencies(machine, {"platform.mass": 13750.5})[0]
-        np.testing.assert_array_equal(row, one)
+        np.testing.assert_allclose(row, one, rtol=1e-11)  # SIMD lanes, under gravity
     assert hydrapod.frequencies(heavy, {sleeve: []}).shape == (0, 18)
 
 

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <numeric>
 #include <vector>
 
@@ -17,6 +19,10 @@ using modal::NormalModes;
 /// Largest residual (lane_eigen.hpp) that is taken; some thousand epsilons, of which rounding needs
 /// a hundred.
 constexpr double largest_residual = 1e-12;
+
+/// Of the largest ω², for frequencies without shapes: some ten epsilons of the largest are then at
+/// most 1e-12 of the least.
+constexpr double least_share = 3e-4;
 
 template <class Numbers>
 constexpr std::size_t count_of = sizeof(Numbers) / sizeof(double);
@@ -121,16 +127,28 @@ void LaneDesigns::put(int lane, const MachineNumbers<double>& numbers) {
     to[k * static_cast<std::size_t>(lanes())] = from[k];
 }
 
-void LaneDesigns::solve(int count) {
+void LaneDesigns::solve(int count) { run(kernels_.designs, count); }
+void LaneDesigns::solve_frequencies(int count) { run(kernels_.frequencies, count); }
+
+void LaneDesigns::run(const LaneKernel& kernel, int count) {
   for (int lane = count; lane < lanes(); ++lane)  // lanes without a design repeat the last one
     put(lane, gathered<MachineNumbers<double>>(buffers_->machines.data() + count - 1, lanes()));
   options_.shapes = followed_.data();
   const LaneTask task{buffers_->machines.data(), buffers_->outputs.data(), buffers_->models.data(),
                       &options_};
-  const auto kernel = kind_ == ModelKind::rigid   ? kernels_.rigid
-                      : kind_ == ModelKind::guide ? kernels_.guide
-                                                  : kernels_.full;
-  kernel(task);
+  (kind_ == ModelKind::rigid   ? kernel.rigid
+   : kind_ == ModelKind::guide ? kernel.guide
+                               : kernel.full)(task);
+}
+
+bool LaneDesigns::frequencies(int lane, double* omega2) const {
+  return with_flexible(kind_, [&]<int n>(std::integral_constant<int, n>) {
+    const auto found =
+        gathered<FrequencyNumbers<double, n>>(buffers_->outputs.data() + lane, lanes());
+    std::copy(std::begin(found.omega2), std::end(found.omega2), omega2);
+    const double largest = std::max(std::abs(omega2[0]), omega2[modes_of(n) - 1]);
+    return found.residual <= largest_residual && std::abs(omega2[0]) >= least_share * largest;
+  });
 }
 
 OutputNumbers<double> LaneDesigns::outputs(int lane) const {

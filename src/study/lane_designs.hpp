@@ -34,6 +34,12 @@ class LaneDesigns {
   void put(int lane, const MachineNumbers<double>& numbers);
   /// The designs of the first `count` lanes.
   void solve(int count);
+  /// Their frequencies alone: after this only the next is to be asked.
+  void solve_frequencies(int count);
+  /// ω² of design `lane`, ascending, to `omega2`. False where they are not known to 1e-12 of each:
+  /// sums of eigenvalues that must hold do not, or ω² is below 3e-4 of the largest, of whose
+  /// rounding unit all have an error.
+  [[nodiscard]] bool frequencies(int lane, double* omega2) const;
 
   /// Whether an equilibrium was found and ‖D^-½ (K φ − ω² M φ)‖ ≤ 1e-12 ω²_max and
   /// |φᵀ M φ − 1| ≤ 1e-12 hold for every mode (D: the diagonal of M), of the rigid model too. Where
@@ -50,6 +56,7 @@ class LaneDesigns {
 
  private:
   struct Buffers;
+  void run(const LaneKernel& kernel, int count);
   /// Lane `lane` of the member of ModelNumbers at `offset` bytes.
   [[nodiscard]] const double* at(std::size_t offset, int lane) const;
   LaneKernels kernels_;

@@ -43,12 +43,12 @@ HYDRAPOD_INLINE void inverse_root(V (&A)[size][size], V (&P)[size][size]) {
 template <class V, int size>
 struct LanePencil {
   V A[size][size];  ///< lower triangle
-  V (*X)[size];     ///< [column][row]
+  V (*X)[size]{};   ///< [column][row]; only with shapes
   V d[size], e[size];
 };
 
 /// reduce() of normal_modes.cpp.
-template <class V, int flexible>
+template <class V, int flexible, bool shapes = true>
 HYDRAPOD_APART void reduce_lanes(const BlockMatrix<V, flexible>& M,
                                  const BlockMatrix<V, flexible>& K,
                                  LanePencil<V, platform_rows + leg_number * flexible>& p) {
@@ -59,7 +59,10 @@ HYDRAPOD_APART void reduce_lanes(const BlockMatrix<V, flexible>& M,
   for (int i = 0; i < 6; ++i)
     for (int j = 0; j <= i; ++j) M_platform[i][j] = M.rr(i, j);
   for (int i = 0; i < size; ++i)
-    for (int j = 0; j < size; ++j) p.A[i][j] = p.X[i][j] = V{};
+    for (int j = 0; j < size; ++j) {
+      p.A[i][j] = V{};
+      if constexpr (shapes) p.X[i][j] = V{};
+    }
   if constexpr (flexible > 0)
     for (int leg = 0; leg < leg_number; ++leg) {
       V block[n][n], half[n][6];
@@ -88,7 +91,7 @@ HYDRAPOD_APART void reduce_lanes(const BlockMatrix<V, flexible>& M,
       V sum = K.rr(i, 0) * T[0][j];
       for (int k = 1; k <= j; ++k) sum += K.rr(i, k) * T[k][j];
       forces[i][j] = sum;
-      p.X[j][i] = T[i][j];
+      if constexpr (shapes) p.X[j][i] = T[i][j];
     }
   if constexpr (flexible > 0)
     for (int leg = 0; leg < leg_number; ++leg) {
@@ -103,7 +106,7 @@ HYDRAPOD_APART void reduce_lanes(const BlockMatrix<V, flexible>& M,
           }
           follow[i][j] = -sum;
           leg_forces[i][j] = force;
-          p.X[j][at + i] = -sum;
+          if constexpr (shapes) p.X[j][at + i] = -sum;
         }
       for (int i = 0; i < n; ++i)
         for (int j = 0; j < 6; ++j)
@@ -121,8 +124,9 @@ HYDRAPOD_APART void reduce_lanes(const BlockMatrix<V, flexible>& M,
             for (int l = 0; l <= j; ++l) sum += P[leg][k][i] * K.ff(leg, k, l) * P[leg][l][j];
           p.A[at + i][at + j] = sum;
         }
-      for (int i = 0; i < n; ++i)
-        for (int j = 0; j < n; ++j) p.X[at + j][at + i] = P[leg][i][j];
+      if constexpr (shapes)
+        for (int i = 0; i < n; ++i)
+          for (int j = 0; j < n; ++j) p.X[at + j][at + i] = P[leg][i][j];
       for (int i = 0; i < 6; ++i) {
         for (int j = 0; j <= i; ++j)
           for (int k = 0; k < n; ++k) p.A[i][j] += follow[k][i] * leg_forces[k][j];
@@ -191,7 +195,7 @@ HYDRAPOD_INLINE void reflect_rows(LanePencil<V, size>& p, const V* v, const V& b
 }
 
 /// tridiagonalize() of symmetric_eigen.hpp on the lower triangle.
-template <class V, int size>
+template <class V, int size, bool shapes = true>
 HYDRAPOD_APART void tridiagonalize_lanes(LanePencil<V, size>& p) {
   for (int k = size - 1; k > 1; --k) {
     p.d[k] = p.A[k][k];
@@ -214,7 +218,7 @@ HYDRAPOD_APART void tridiagonalize_lanes(LanePencil<V, size>& p) {
       for (int j = 0; j < i + rows; ++j)  // beyond the diagonal nothing is read
         for (int r = 0; r < rows; ++r) p.A[i + r][j] -= v[i + r] * w[j] + w[i + r] * v[j];
     });
-    reflect_rows<V, size>(p, v, beta, k);
+    if constexpr (shapes) reflect_rows<V, size>(p, v, beta, k);
   }
   p.d[1] = p.A[1][1];
   p.d[0] = p.A[0][0];

@@ -6,6 +6,7 @@
 /// Included once by each lane_kernel_*.cpp, which are compiled for different processors.
 
 #include "lane_assembly.hpp"
+#include "lane_frequencies.hpp"
 #include "lane_outputs.hpp"
 
 namespace hydrapod::study {
@@ -60,8 +61,9 @@ using Pair = Two<One<width>, typename LaneTypes<width>::Mask>;
 
 template <class V>
 LaneKernels kernels() {
-  return {static_cast<int>(sizeof(V) / sizeof(double)), designs_of_lanes<V, 0>,
-          designs_of_lanes<V, 2>, designs_of_lanes<V, 4>};
+  return {static_cast<int>(sizeof(V) / sizeof(double)),
+          {designs_of_lanes<V, 0>, designs_of_lanes<V, 2>, designs_of_lanes<V, 4>},
+          {frequencies_of_lanes<V, 0>, frequencies_of_lanes<V, 2>, frequencies_of_lanes<V, 4>}};
 }
 
 #undef HYDRAPOD_APART

@@ -57,6 +57,13 @@ struct OutputNumbers {
   T residual;  ///< NaN: the design has to be computed alone; see lane_kernel.hpp
 };
 
+/// Undamped frequencies alone.
+template <class T, int flexible>
+struct FrequencyNumbers {
+  T omega2[modes_of(flexible)];  ///< ascending
+  T residual;                    ///< see lane_frequencies.hpp; NaN: there is no equilibrium
+};
+
 /// The modes themselves, where a design repeats some.
 template <class T, int flexible>
 struct ModeNumbers {
@@ -105,17 +112,22 @@ struct LaneOptions {
 
 struct LaneTask {
   const double* machines{};  ///< MachineNumbers; aligned to 64 bytes, as are the next
-  double* outputs{};         ///< OutputNumbers
+  double* outputs{};         ///< OutputNumbers or FrequencyNumbers
   double* models{};          ///< ModelNumbers
   const LaneOptions* options{};
 };
 
-/// The kernels of an instruction set, by flexible coordinates per leg.
-struct LaneKernels {
-  int lanes{};
+/// By flexible coordinates per leg.
+struct LaneKernel {
   void (*rigid)(const LaneTask&){};
   void (*guide)(const LaneTask&){};
   void (*full)(const LaneTask&){};
+};
+
+/// The kernels of an instruction set.
+struct LaneKernels {
+  int lanes{};
+  LaneKernel designs{}, frequencies{};
 };
 
 /// lanes = 0 where the compiler does not know the instruction set.

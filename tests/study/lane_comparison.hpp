@@ -40,6 +40,8 @@ struct LaneComparison {
   int designs{}, alone{}, buckled{}, impossible{};
   double mass{}, stiffness{};  ///< largest difference of an entry, of the roots of its diagonals
   double frequency{};          ///< largest relative difference of an ω, of the rigid model too
+  double without_shapes{};     ///< the same where frequencies are computed alone
+  int left{};                  ///< designs that had none without shapes
   double sum_of_mass{};        ///< largest difference of a direction's Σφ², relative
   int labels{};                ///< modes whose labels differ
   std::string different{};     ///< the first of them
@@ -52,6 +54,9 @@ struct LaneComparison {
       for (std::size_t k = 0; k < now.size(); ++k) lanes.put(static_cast<int>(k), now[k].numbers());
       lanes.solve(static_cast<int>(now.size()));
       for (std::size_t k = 0; k < now.size(); ++k) compare(now[k], lanes, static_cast<int>(k));
+      lanes.solve_frequencies(static_cast<int>(now.size()));
+      for (std::size_t k = 0; k < now.size(); ++k)
+        compare_without_shapes(now[k], lanes, static_cast<int>(k));
     }
   }
 
@@ -106,6 +111,23 @@ struct LaneComparison {
     const auto found = lanes.modes(lane);
     compare_frequencies(found, expected);
     compare_shapes(model, found, expected);
+  }
+
+  void compare_without_shapes(const LaneDesign& design, const study::LaneDesigns& lanes, int lane) {
+    std::array<double, study::most_modes> omega2{};
+    if (!lanes.frequencies(lane, omega2.data())) {
+      ++left;
+      return;
+    }
+    const auto models = alone_models(design);
+    ASSERT_TRUE(models) << "an equilibrium that one at a time does not find";
+    const auto expected = modal::normal_modes(models->front());
+    if (expected.omega2[0] > 0.0)
+      for (int k = 0; k < expected.size(); ++k)
+        without_shapes = std::max(
+            without_shapes,
+            std::abs(std::sqrt(omega2[static_cast<std::size_t>(k)] / expected.omega2[k]) - 1.0));
+    EXPECT_EQ(omega2[0] <= 0.0, expected.omega2[0] <= 0.0);
   }
 
   void compare_frequencies(const modal::NormalModes& found, const modal::NormalModes& expected) {

@@ -322,6 +322,25 @@ struct MachineOptions {
 Problem machine_problem(const model::Machine& machine, std::vector<Input> inputs,
                         const MachineOptions& options);
 
+/// Undamped frequencies of many designs of one machine at one pose, several at a time in SIMD
+/// lanes; for one thread. They are those of modal::normal_modes() but for rounding (1e-12 of each;
+/// 1e-11 under gravity). Their last digits may depend on the place of a design among the others.
+class DesignFrequencies {
+ public:
+  DesignFrequencies(const model::Machine& machine, const spatial::Pose& X_BP,
+                    dynamics::ModelKind kind, const std::vector<model::ParameterId>& ids);
+  DesignFrequencies(DesignFrequencies&&) noexcept;
+  ~DesignFrequencies();
+
+  /// Per design: a number for each id [SI] from `values`, the frequencies [rad/s, ascending] to
+  /// `omega`: 0 below buckling, NaN where there is no equilibrium.
+  void operator()(std::span<const double> values, std::span<double> omega);
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
 /// The machine of a row of inputs.
 model::Machine machine_of(const model::Machine& machine, const std::vector<Input>& inputs,
                           std::span<const double> values);
