@@ -23,6 +23,9 @@ bool concerns(std::string_view path, const FmuMachine& fmu) {
   const auto begins = [&](const char* front) { return path.starts_with(front); };
   if (std::ranges::any_of(never, begins)) return false;
   if (path.starts_with("controller.")) return fmu.controlled;
+  // The number of segments says which states there are.
+  const bool waves = fmu.hydraulics && fmu.machine.hydraulics.lines.segments > 0.0;
+  if (path.starts_with("lines.")) return waves && path != "lines.segments";
   return fmu.hydraulics || !std::ranges::any_of(of_oil, begins);
 }
 
@@ -219,6 +222,10 @@ std::string state_description(const simulation::StateLayout& layout, int k, bool
   if (layout.spools >= 0 && k >= layout.spools) of = "spool of the valve, in travels";
   if (layout.supply >= 0 && k >= layout.supply) of = "supply pressure, absolute";
   if (layout.bristles >= 0 && k >= layout.bristles) of = "bend of the seal's bristles";
+  for (const int first : layout.lines)
+    if (first >= 0 && k >= first && k < first + layout.line_states)
+      of = k < first + layout.line_states / 2 ? "pressure in a line, absolute, from the valve on"
+                                              : "flow in a line towards the chamber";
   if (layout.base >= 0 && k >= layout.base) of = "motion of the base against the ground";
   return rate ? "rate of: " + of : of;
 }

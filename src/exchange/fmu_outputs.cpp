@@ -75,7 +75,7 @@ std::vector<FmuOutput> fmu_output_table(const Plant& plant) {
     };
     const bool gives = on.gimbal_stiffness.has_value();
     const unsigned oil_force = gives ? (oil ? part::pressure : part::axial) : 0U;
-    const unsigned oil_rate = gives && oil ? part::pressure | part::spool | part::supply : 0U;
+    const unsigned oil_rate = gives && oil ? part::pressure | part::inflow : 0U;
     add("length", "m", "between the joints", 1.0, of_leg<&Leg::length>, pose_parts);
     add("length_rate", "m/s", "rate of the length", 0.1, of_leg<&Leg::length_rate>,
         pose_parts | part::velocity | part::turning);

@@ -24,6 +24,7 @@ inline constexpr unsigned base_rate = 1U << 13U;
 inline constexpr unsigned valve = 1U << 14U;  ///< command
 inline constexpr unsigned axial = 1U << 15U;  ///< force
 inline constexpr unsigned wrench = 1U << 16U;
+inline constexpr unsigned inflow = 1U << 17U;  ///< into the chambers: of valves or lines
 }  // namespace part
 
 struct FmuOutput {

@@ -28,6 +28,20 @@ class Knowns {
   void states(int first, int count) {
     for (int k = 0; k < count; ++k) state(first + k);
   }
+  /// What flows into a chamber, numbered as in StateLayout::lines: out of its line, or out of the
+  /// valve, which sees its pressure.
+  void inflow(int chamber) {
+    if (const int line = layout_.lines.at(static_cast<std::size_t>(chamber)); line >= 0)
+      return state(line + layout_.line_states - 1);
+    port(chamber);
+  }
+  /// What flows out of the valve towards a chamber.
+  void port(int chamber) {
+    const int line = layout_.lines.at(static_cast<std::size_t>(chamber));
+    state(line >= 0 ? line : layout_.pressures + chamber);
+    state(layout_.spool(chamber / 2));
+    if (layout_.supply >= 0) state(layout_.supply);
+  }
   void input(int index) { found_.push_back({first_input_ + index, false}); }
 
   /// `leg` −1: all legs. `coordinate`: of own_coordinate.
@@ -49,6 +63,8 @@ class Knowns {
 
   [[nodiscard]] std::vector<FmuDependency> sorted() {
     std::ranges::sort(found_, {}, &FmuDependency::variable);
+    const auto twice = std::ranges::unique(found_, {}, &FmuDependency::variable);
+    found_.erase(twice.begin(), twice.end());
     return found_;
   }
 
@@ -60,6 +76,8 @@ class Knowns {
     if ((parts & part::flexible_rate) != 0) states(layout_.velocity() + 6 + flexible * i, flexible);
     if ((parts & part::pressure) != 0 && oil) states(layout_.cap(i), 2);
     if ((parts & part::spool) != 0 && oil) state(layout_.spool(i));
+    if ((parts & part::inflow) != 0 && oil)
+      for (const int chamber : {2 * i, 2 * i + 1}) inflow(chamber);
     if ((parts & part::spool_rate) != 0 && oil) state(layout_.spool(i) + 1);
     if ((parts & part::bristle) != 0 && plant_.axis(i).friction.has_bristles() && oil)
       state(layout_.bristles + i);
@@ -85,25 +103,58 @@ void of_position_rate(int k, const simulation::StateLayout& layout, Knowns& know
   knowns.state(layout.velocity() + (k < quaternion ? k : k - 1), true);
 }
 
+/// The piston moves by what flows into both chambers where the gimbals give way.
+void of_pressure(int chamber, const Plant& plant, Knowns& knowns) {
+  const int leg = chamber / 2;
+  knowns.parts(fmu_speed_parts() | part::pressure, leg);
+  knowns.inflow(chamber);
+  if (plant.machine().legs[static_cast<std::size_t>(leg)].gimbal_stiffness)
+    knowns.inflow(chamber ^ 1);
+}
+
+/// State `k` of a line: pressures p_0, …, p_{N−1}, then flows q_1, …, q_N.
+void of_line(int k, int chamber, const simulation::StateLayout& layout, Knowns& knowns) {
+  const int first = layout.lines.at(static_cast<std::size_t>(chamber));
+  const int segments = layout.line_states / 2, flows = first + segments;
+  if (k < segments) {
+    knowns.state(first + k);
+    knowns.state(flows + k);
+    if (k > 0) return knowns.state(flows + k - 1);
+    return knowns.port(chamber);
+  }
+  const int j = k - segments;  // between the nodes j and j + 1
+  knowns.state(first + j);
+  knowns.state(j + 1 < segments ? first + j + 1 : layout.pressures + chamber);
+  knowns.state(first + k);
+}
+
 void of_derivative(int k, const Plant& plant, Knowns& knowns) {
   const auto& layout = plant.layout();
   const int base = plant.base().count;
   if (k < layout.velocity()) return of_position_rate(k, layout, knowns);
   if (k < layout.velocity() + layout.velocities) return knowns.parts(fmu_acceleration_parts(), -1);
   if (layout.pressures >= 0 && k >= layout.pressures && k < layout.pressures + 2 * leg_count)
-    return knowns.parts(fmu_speed_parts() | part::pressure | part::spool | part::supply,
-                        (k - layout.pressures) / 2);
+    return of_pressure(k - layout.pressures, plant, knowns);
   if (layout.spools >= 0 && k >= layout.spools && k < layout.spools + 2 * leg_count) {
     const int leg = (k - layout.spools) / 2;
     if (k == layout.spool(leg)) return knowns.state(k + 1, true);
     return knowns.parts(part::spool | part::spool_rate | part::valve, leg);
   }
-  if (k == layout.supply) return knowns.parts(part::supply | part::spool | part::pressure, -1);
+  if (k == layout.supply) {
+    knowns.state(k);
+    for (int chamber = 0; chamber < 2 * leg_count; ++chamber) knowns.port(chamber);
+    return;
+  }
   if (layout.bristles >= 0 && k >= layout.bristles && k < layout.bristles + leg_count) {
     const int leg = k - layout.bristles;
     if (plant.axis(leg).friction.has_bristles())
       knowns.parts(fmu_speed_parts() | part::bristle, leg);
     return;
+  }
+  for (int chamber = 0; chamber < 2 * leg_count; ++chamber) {
+    const int first = layout.lines.at(static_cast<std::size_t>(chamber));
+    if (first >= 0 && k >= first && k < first + layout.line_states)
+      return of_line(k - first, chamber, layout, knowns);
   }
   if (k < layout.base + base) return knowns.state(k + base, true);
   knowns.parts(fmu_acceleration_parts(), -1);

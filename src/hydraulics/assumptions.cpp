@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 #include "hydrapod/hydraulics/servo_axis.hpp"
 
@@ -70,6 +72,36 @@ std::vector<Assumption> of_leg(const model::Machine& machine, int i) {
   return all;
 }
 
+/// "1.3" or "1.3 to 4.5".
+std::string range_text(const std::vector<double>& values, double unit) {
+  const auto [least, most] = std::minmax_element(values.begin(), values.end());
+  const auto low = fmt::format("{:.3g}", unit * *least), high = fmt::format("{:.3g}", unit * *most);
+  return low == high ? low : low + " to " + high;
+}
+
+/// Of lines with waves: the pipes that their volumes and lengths stand for, and c/4L.
+void assume_lines(const model::Machine& machine, std::vector<Assumption>& all) {
+  std::vector<double> diameters, waves;
+  for (int i = 0; i < leg_count; ++i) {
+    const auto& given = machine.legs[i].oil_spring.cylinder;
+    const auto lines = segmented_lines(machine, i);
+    const auto add = [&](const SegmentedLine& line, double length) {
+      if (line.segments == 0) return;
+      const double N = line.segments, section = N * line.volume / length;
+      const double compliance = line.volume / effective_bulk_modulus(*given) + line.compliance;
+      diameters.push_back(2.0 * std::sqrt(section / std::numbers::pi));
+      waves.push_back(0.25 / (N * std::sqrt(line.inertance * compliance)));
+    };
+    if (!given) continue;
+    add(lines.cap, given->cap_line_length);
+    add(lines.rod, given->rod_line_length);
+  }
+  if (waves.empty()) return;
+  all.push_back({"lines", fmt::format("round pipes of {} mm by their volumes and lengths; quarter "
+                                      "waves (c/4L) at {} Hz",
+                                      range_text(diameters, 1e3), range_text(waves, 1.0))});
+}
+
 }  // namespace
 
 std::vector<Assumption> hydraulic_assumptions(const model::Machine& machine) {
@@ -89,6 +121,7 @@ std::vector<Assumption> hydraulic_assumptions(const model::Machine& machine) {
       if (by_all && i > 0) continue;
       all.push_back({(by_all ? "legs." : fmt::format("leg.{}.", i + 1)) + one.key, one.text});
     }
+  assume_lines(machine, all);
   return all;
 }
 

@@ -233,7 +233,21 @@ ServoAxisOf<numerics::Lanes> side_by_side(const std::array<ServoAxis, model::leg
   return all;
 }
 
-HydraulicRest hydraulic_rest(const ServoAxis& axis, const model::Supply& supply, double force) {
+namespace {
+
+/// Pressure at the valve's end of a line, whose steady flow(p) leaves the valve and meets the
+/// chamber's `p`.
+template <class Flow>
+double at_valve(double p, double loss, const model::Supply& supply, Flow flow) {
+  if (loss == 0.0) return p;
+  return falling_zero(std::min(p, supply.return_pressure), std::max(p, supply.pressure),
+                      [&](double at) { return p + loss * flow(at) - at; });
+}
+
+}  // namespace
+
+HydraulicRest hydraulic_rest(const ServoAxis& axis, const model::Supply& supply, double force,
+                             const LinesOf<double>& line_loss) {
   const double A_p = axis.area.piston, A_r = axis.area.annulus;
   const double pushed = force + atmospheric_pressure * (A_p - A_r);
   const bool tight = axis.internal_leakage == 0.0 && axis.external_leakage == 0.0;
@@ -244,8 +258,16 @@ HydraulicRest hydraulic_rest(const ServoAxis& axis, const model::Supply& supply,
     valve.rounding = 1e-3;
   }
   const auto cap_pressure = [&](double p_rod) { return (pushed + p_rod * A_r) / A_p; };
-  const auto ports = [&](double p_rod) {
-    return PortPressures{supply.pressure, supply.return_pressure, cap_pressure(p_rod), p_rod};
+  const auto flows = [&](double x, double p_cap, double p_rod) {
+    return valve_flows(valve, x, {supply.pressure, supply.return_pressure, p_cap, p_rod});
+  };
+  const auto cap_port = [&](double x, double p_rod) {
+    return at_valve(cap_pressure(p_rod), line_loss.cap, supply,
+                    [&](double at) { return flows(x, at, p_rod).cap; });
+  };
+  const auto rod_port = [&](double x, double p_rod) {
+    return at_valve(p_rod, line_loss.rod, supply,
+                    [&](double at) { return flows(x, p_rod, at).rod; });
   };
   const auto past_piston = [&](double p_rod) {
     return axis.internal_leakage * (cap_pressure(p_rod) - p_rod);
@@ -256,12 +278,12 @@ HydraulicRest hydraulic_rest(const ServoAxis& axis, const model::Supply& supply,
   const auto spool_at = [&](double p_rod) {
     return falling_zero(-1.0, 1.0, [&](double x) {
       return past_piston(p_rod) + outside(cap_pressure(p_rod)) -
-             valve_flows(valve, x, ports(p_rod)).cap;
+             flows(x, cap_port(x, p_rod), p_rod).cap;
     });
   };
   const auto into_rod_side = [&](double p_rod) {
-    return valve_flows(valve, spool_at(p_rod), ports(p_rod)).rod + past_piston(p_rod) -
-           outside(p_rod);
+    const double x = spool_at(p_rod);
+    return flows(x, p_rod, rod_port(x, p_rod)).rod + past_piston(p_rod) - outside(p_rod);
   };
   const double low =
       std::max(supply.return_pressure, (supply.return_pressure * A_p - pushed) / A_r);
@@ -271,6 +293,9 @@ HydraulicRest hydraulic_rest(const ServoAxis& axis, const model::Supply& supply,
   rest.p_rod = falling_zero(low, high, into_rod_side);
   rest.p_cap = cap_pressure(rest.p_rod);
   rest.spool = sealed ? 0.0 : spool_at(rest.p_rod);
+  rest.valve_pressure = {rest.p_cap, rest.p_rod};  // no flow where it is sealed
+  if (!sealed)
+    rest.valve_pressure = {cap_port(rest.spool, rest.p_rod), rod_port(rest.spool, rest.p_rod)};
   rest.found = std::abs(rest.spool) < 1.0 - 1e-9 && rest.p_rod > low && rest.p_rod < high;
   return rest;
 }

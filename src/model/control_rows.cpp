@@ -55,6 +55,7 @@ constexpr std::string_view feedback_words[]{"pressure", "acceleration", "none"};
 constexpr std::string_view compensation_words[]{"load", "asymmetry", "none"};
 
 constexpr auto supply = &Hydraulics::supply;
+constexpr auto lines = &Hydraulics::lines;
 constexpr auto controller = &Machine::controller;
 constexpr auto output = &ControlSettings::output;
 
@@ -91,6 +92,19 @@ constexpr ParameterRow control_rows[]{
     number<&Machine::hydraulics, supply, &Supply::accumulator, &Accumulator::polytropic>(
         "supply.accumulator.polytropic", "1", standard, polytropic,
         "exponent n of p Vⁿ: 1 for slow changes, 1.4 for fast ones"),
+    simulation("lines",
+               "between valves and chambers: waves in all that have a `cap_line_length` or a "
+               "`rod_line_length`"),
+    number<&Machine::hydraulics, lines, &Lines::segments>(
+        "lines.segments", "1", standard,
+        {.lowest = 0.0,
+         .highest = most_line_segments,
+         .expected = "0 (dead ends) or a whole number of segments up to 8"},
+        "0: the oil of a line has the inertia of a dead end and no waves; 1 to 8: each line is a "
+        "chain of as many segments, with waves and with the valve open or shut"),
+    number<&Machine::hydraulics, lines, &Lines::viscosity>(
+        "lines.viscosity", "Pa s", standard, usual(1e-4, 10.0, not_negative),
+        "μ of the oil, for the laminar loss in lines with segments", shown("40 mPa s")),
     simulation("controller", "from pose errors to valve drives"),
     word<controller, &ControlSettings::space>(
         "controller.space", space_words,

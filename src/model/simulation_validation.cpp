@@ -1,6 +1,9 @@
 // Conditions between numbers that only simulation needs; single numbers are checked by their rows.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "value_checks.hpp"
 
 namespace hydrapod::model {
@@ -63,6 +66,30 @@ void check_supply(const Hydraulics& hydraulics, ValueChecks& checks) {
     checks.add("supply.accumulator",
                "has no effect: without a `pump_flow` the supply pressure is constant, expected "
                "`pump_flow` too");
+}
+
+/// Lines with segments have lengths, and are taken out of the chambers that hold them.
+void check_lines(const Machine& machine, ValueChecks& checks) {
+  const double segments = machine.hydraulics.lines.segments;
+  if (segments == 0.0 || !checks.sound("lines.segments")) return;
+  if (segments != std::floor(segments))
+    checks.add("lines.segments", fmt::format("is {:.6g}, expected a whole number up to {}",
+                                             segments, most_line_segments));
+  const auto has_line = [](const Leg& leg) {
+    const auto& cylinder = leg.oil_spring.cylinder;
+    return cylinder && (cylinder->cap_line_length > 0.0 || cylinder->rod_line_length > 0.0);
+  };
+  const auto& legs = machine.legs;
+  if (std::none_of(legs.begin(), legs.end(), has_line))
+    checks.add("lines.segments",
+               "has no effect: no line has a length, expected "
+               "`legs.oil_spring.cylinder.cap_line_length` or `rod_line_length`");
+  if (std::any_of(legs.begin(), legs.end(), [&](const Leg& leg) {
+        return has_line(leg) && leg.oil_spring.cylinder->volumes == VolumeRule::equal;
+      }))
+    checks.add("lines.segments",
+               "takes lines out of the chambers that hold them, expected "
+               "`legs.oil_spring.cylinder.volumes` = \"chambers\"");
 }
 
 void check_sensors(const Sensors& sensors, ValueChecks& checks) {

@@ -205,6 +205,7 @@ std::vector<Finding> validate_values(const Machine& machine, NonFinite non_finit
   const bool on_platform = check_joints(machine, &Leg::platform_joint, "platform", checks);
   if (on_base && on_platform) check_lines_apart(machine, checks);
   check_supply(machine.hydraulics, checks);
+  check_lines(machine, checks);
   check_sensors(machine.sensors, checks);
   check_poses(machine.poses, checks);
   std::vector<Finding> findings = checks.take();

@@ -67,6 +67,7 @@ std::vector<Finding> validate_values(const Machine& machine, NonFinite non_finit
 void check_sensors(const Sensors& sensors, ValueChecks& checks);
 void check_leg_hydraulics(const Leg& leg, ValueChecks& checks);
 void check_supply(const Hydraulics& hydraulics, ValueChecks& checks);
+void check_lines(const Machine& machine, ValueChecks& checks);
 void check_payload_modes(const Machine& machine, ValueChecks& checks);
 
 /// The findings about one leg (0…5), with keys relative to it (`rod.length`).

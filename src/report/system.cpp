@@ -21,13 +21,18 @@ using base::two_pi;
 constexpr double least_named = 0.1;  // participation
 constexpr double most_of_it = 0.75;  // of a leg's share
 
-/// Parts that stand in tables: the payload's is left out where it has no modes.
+/// As many parts as every machine has; those of the payload's modes and of lines follow.
+constexpr auto common_parts = static_cast<std::size_t>(Part::payload);
+
+/// Parts that stand in tables: up to the last one that the machine has.
 int tabled_parts(const SystemPoles& poles) {
-  constexpr auto payload = static_cast<int>(Part::payload);
-  const bool any = std::ranges::any_of(poles.poles, [](const SystemPole& pole) {
-    return pole.parts[static_cast<std::size_t>(payload)] != 0.0;
-  });
-  return any ? simulation::part_count : payload;
+  std::size_t count = simulation::part_count;
+  const auto any = [&poles](std::size_t part) {
+    return std::ranges::any_of(poles.poles,
+                               [part](const SystemPole& pole) { return pole.parts[part] != 0.0; });
+  };
+  while (count > common_parts && !any(count - 1)) --count;
+  return static_cast<int>(count);
 }
 
 std::string csv_row(const SystemPole& pole, int parts) {
@@ -93,10 +98,10 @@ void describe(Fields& f, SystemPole& pole) {
   f("group", pole.group);
   f.derived("label", participation_text(pole));
   f.object("participation", [&](auto& parts) {
-    for (int i = 0; i < static_cast<int>(Part::payload); ++i)
-      parts(simulation::name(static_cast<Part>(i)), pole.parts[static_cast<std::size_t>(i)]);
-    constexpr auto payload = static_cast<std::size_t>(Part::payload);
-    parts.unless(0.0, simulation::name(Part::payload), pole.parts[payload]);
+    for (std::size_t i = 0; i < common_parts; ++i)
+      parts(simulation::name(static_cast<Part>(i)), pole.parts[i]);
+    for (std::size_t i = common_parts; i < simulation::part_count; ++i)
+      parts.unless(0.0, simulation::name(static_cast<Part>(i)), pole.parts[i]);
   });
   f("participation_of_legs", pole.legs);
 }

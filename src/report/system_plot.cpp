@@ -16,14 +16,15 @@ namespace {
 
 using base::two_pi;
 
-/// The part of the plane around the oscillations of mechanics and oil: those of valves and delay
-/// lie so far out that they would squeeze the rest.
+/// The part of the plane around the oscillations of mechanics and oil: those of valves, delay and
+/// lines lie so far out that they would squeeze the rest.
 std::array<double, 4> shown_plane(const RootLocus& locus) {
   double left = 0.0, right = 0.0, top = 0.0;
   for (const auto& poles : locus.poles)
     for (const auto& pole : poles.poles) {
       const double far_out = pole.parts[static_cast<std::size_t>(simulation::Part::valve)] +
-                             pole.parts[static_cast<std::size_t>(simulation::Part::delay)];
+                             pole.parts[static_cast<std::size_t>(simulation::Part::delay)] +
+                             pole.parts[static_cast<std::size_t>(simulation::Part::line)];
       if (!pole.oscillates() || far_out > 0.5) continue;
       left = std::min(left, pole.pole.real());
       right = std::max(right, pole.pole.real());

@@ -95,6 +95,10 @@ std::vector<StatePart> plant_parts(const StateLayout& layout, int flexible) {
   if (layout.supply >= 0) parts[static_cast<size_t>(layout.supply - shift)] = {Part::supply, -1};
   for (int i = 0; layout.bristles >= 0 && i < 6; ++i)
     parts[static_cast<size_t>(layout.bristles - shift + i)] = {Part::friction, i};
+  for (int i = 0; i < 2 * model::leg_count; ++i)
+    for (int k = 0; layout.lines[static_cast<size_t>(i)] >= 0 && k < layout.line_states; ++k)
+      parts[static_cast<size_t>(layout.lines[static_cast<size_t>(i)] - shift + k)] = {Part::line,
+                                                                                      i / 2};
   const int end = layout.arms < 0 ? layout.size : layout.arms;
   for (int i = layout.base; i >= 0 && i < end; ++i)
     parts[static_cast<size_t>(i - shift)] = {Part::base, -1};
@@ -103,7 +107,7 @@ std::vector<StatePart> plant_parts(const StateLayout& layout, int flexible) {
     for (int leg = 0; leg < model::leg_count; ++leg)
       for (int i = 0; (*first)[static_cast<size_t>(leg)] >= 0 && i < per_seal; ++i)
         parts[static_cast<size_t>((*first)[static_cast<size_t>(leg)] + i - shift)] = {Part::seal,
-                                                                                     leg};
+                                                                                      leg};
   return parts;
 }
 
@@ -239,7 +243,7 @@ const char* name(Part part) {
   constexpr const char* names[part_count]{"platform x",  "platform y",  "platform z", "platform rx",
                                           "platform ry", "platform rz", "seals",      "oil",
                                           "valves",      "supply",      "friction",   "controller",
-                                          "delay",       "base",        "payload"};
+                                          "delay",       "base",        "payload",    "lines"};
   return names[static_cast<int>(part)];
 }
 

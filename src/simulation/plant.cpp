@@ -56,6 +56,12 @@ model::Machine with_friction(model::Machine machine, Friction friction) {
   return machine;
 }
 
+/// Oil that moves by itself is no inertia of the legs.
+model::Machine with_lines(const model::Machine& machine, const PlantOptions& options) {
+  const bool waves = options.hydraulics && machine.hydraulics.lines.segments > 0.0;
+  return waves ? hydraulics::without_line_inertia(machine) : machine;
+}
+
 bool finite(const double* x, int size) {
   double sum = 0.0;  // not finite as soon as one of them is not
   for (int k = 0; k < size; ++k) sum += 0.0 * x[k];
@@ -71,8 +77,10 @@ Plant::Plant(const model::Machine& machine, ModelKind kind, const PlantOptions& 
              const Pose& X_reference)
     : machine_(machine),
       mechanics_(dynamics::with_seal_dampers(
-                     with_friction(dynamics::with_pressed_seals(machine, kind, X_reference), options.friction), kind,
-                     X_reference),
+                     with_friction(dynamics::with_pressed_seals(with_lines(machine, options), kind,
+                                                                X_reference),
+                                   options.friction),
+                     kind, X_reference),
                  kind, X_reference),
       options_(options) {
   for (int i = 0; i < leg_count; ++i) {
@@ -80,6 +88,7 @@ Plant::Plant(const model::Machine& machine, ModelKind kind, const PlantOptions& 
     reduce_friction(options.friction, axes_[i].friction);
   }
   layout_ = make_layout(mechanics_, options, axes_);
+  set_lines();
   set_base(X_reference);
   set_arms();
   if (layout_.arms >= 0 && model::has_elastic_legs(machine))
@@ -181,6 +190,7 @@ PlantOutput Plant::outputs(const double* x, const PlantInput& input) const {
   out.dissipation = mechanics_.dissipation(work.motion);
   base_outputs(x, work, out);
   arms_outputs(x, work, out);
+  lines_outputs(x, out);
   for (int i = 0; i < leg_count; ++i) {
     const auto& motion = work.motion.legs[i];
     auto& leg = out.legs[i];

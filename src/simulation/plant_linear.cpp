@@ -29,9 +29,9 @@ struct Kind {
 constexpr Kind length{"m", 1e-2, 3e-4}, turn{"1", 1e-2, 3e-4}, tilt{"rad", 1e-2, 3e-4},
     offset{"m", 1e-3, 3e-5}, velocity{"m/s", 0.1, 1e-5}, turning{"rad/s", 0.1, 1e-5},
     tilting{"rad/s", 0.1, 1e-5}, shifting{"m/s", 1e-2, 1e-6}, pressure{"Pa", 1e6, 30.0},
-    spool{"1", 0.1, 3e-5}, spool_rate{"1/s", 10.0, 1e-2}, bristle{"m", 1e-5, 1e-8},
-    base_shift{"m", 1e-2, 1e-5}, base_turn{"rad", 1e-2, 1e-5}, base_shifting{"m/s", 0.1, 1e-4},
-    base_turning{"rad/s", 0.1, 1e-4}, arm{"m", 1e-4, 1e-6},  //
+    line_flow{"m^3/s", 1e-3, 1e-6}, spool{"1", 0.1, 3e-5}, spool_rate{"1/s", 10.0, 1e-2},
+    bristle{"m", 1e-5, 1e-8}, base_shift{"m", 1e-2, 1e-5}, base_turn{"rad", 1e-2, 1e-5},
+    base_shifting{"m/s", 0.1, 1e-4}, base_turning{"rad/s", 0.1, 1e-4}, arm{"m", 1e-4, 1e-6},  //
     swing{"m", 0.1, 3e-3}, swinging{"m/s", 1.0, 1e-4};
 
 struct Described {
@@ -69,6 +69,16 @@ void add_arms(const StateLayout& layout, std::vector<Described>& all) {
   add(layout.ring_arms, "ring");
 }
 
+void add_lines(const StateLayout& layout, std::vector<Described>& all) {
+  for (size_t k = 0; k < layout.lines.size(); ++k) {
+    if (layout.lines[k] < 0) continue;
+    const auto line = fmt::format("leg{}.{}_line", k / 2 + 1, k % 2 == 0 ? "cap" : "rod");
+    const int segments = layout.line_states / 2;
+    for (int j = 0; j < segments; ++j) all.push_back({fmt::format("{}.p{}", line, j), pressure});
+    for (int j = 1; j <= segments; ++j) all.push_back({fmt::format("{}.q{}", line, j), line_flow});
+  }
+}
+
 /// Every state in the order of x.
 std::vector<Described> described(const StateLayout& layout,
                                  const dynamics::NonlinearModel& mechanics,
@@ -99,6 +109,7 @@ std::vector<Described> described(const StateLayout& layout,
   }
   if (layout.supply >= 0) all.push_back({"p_supply", pressure});
   if (layout.bristles >= 0) per_leg("bristle", bristle, nullptr, bristle);
+  add_lines(layout, all);
   add_base(base, "", base_shift, base_turn, all);
   add_base(base, "_rate", base_shifting, base_turning, all);
   add_arms(layout, all);

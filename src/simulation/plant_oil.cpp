@@ -6,6 +6,20 @@
 
 namespace hydrapod::simulation {
 
+namespace {
+
+/// each(leg, cap side?, first state) of the lines with waves.
+template <class Each>
+void for_line_ends(const StateLayout& layout, const Each& each) {
+  if (layout.line_states == 0) return;
+  for (int k = 0; k < 2 * model::leg_count; ++k) {
+    const int first = layout.lines[static_cast<size_t>(k)];
+    if (first >= 0) each(k / 2, k % 2 == 0, first);
+  }
+}
+
+}  // namespace
+
 void Plant::set_oil_constants() {
   auto constants = std::make_shared<OilConstants>();
   constants->axis = hydraulics::side_by_side(axes_);
@@ -28,6 +42,12 @@ OilState Plant::oil_state(const dynamics::Motion& motion, const double* x,
   state.p_rod = at([&](int i) { return layout_.rod(i); });
   state.spool = at([&](int i) { return layout_.spool(i); });
   state.spool_rate = at([&](int i) { return layout_.spool(i) + 1; });
+  state.cap_port = state.p_cap;
+  state.rod_port = state.p_rod;
+  state.x = x;
+  for_line_ends(layout_, [&](int i, bool cap, int first) {
+    (cap ? state.cap_port : state.rod_port).set(i, x[first]);
+  });
   state.bristle = 0.0;
   if (layout_.bristles >= 0) state.bristle = at([&](int i) { return layout_.bristles + i; });
   state.command = numerics::gather([&](int i) { return input.command[i]; });
@@ -43,7 +63,12 @@ OilRates Plant::oil_rates(const OilState& state) const {
   const Lanes atmosphere = hydraulics::atmospheric_pressure;
   OilRates out;
   const auto flows = hydraulics::valve_flows(
-      axis.valve, state.spool, {state.supply_pressure, back, state.p_cap, state.p_rod});
+      axis.valve, state.spool, {state.supply_pressure, back, state.cap_port, state.rod_port});
+  out.cap_inflow = flows.cap;
+  out.rod_inflow = flows.rod;
+  for_line_ends(layout_, [&](int i, bool cap, int first) {
+    (cap ? out.cap_inflow : out.rod_inflow).set(i, state.x[first + layout_.line_states - 1]);
+  });
   out.internal_leakage = axis.internal_leakage * (state.p_cap - state.p_rod);
   const Lanes cap_out = axis.external_leakage * (state.p_cap - atmosphere);
   const Lanes rod_out = axis.external_leakage * (state.p_rod - atmosphere);
@@ -51,8 +76,8 @@ OilRates Plant::oil_rates(const OilState& state) const {
   out.oil_force = axis.force(state.p_cap, state.p_rod);
   out.piston = state.s + compliance * (out.oil_force - rest_force);
   const auto volume = axis.volumes(out.piston);
-  const Lanes cap_in = flows.cap - out.internal_leakage - cap_out;
-  const Lanes rod_in = flows.rod + out.internal_leakage - rod_out;
+  const Lanes cap_in = out.cap_inflow - out.internal_leakage - cap_out;
+  const Lanes rod_in = out.rod_inflow + out.internal_leakage - rod_out;
   const Lanes cap_give =
       volume.cap * hydraulics::compressibility(axis.oil, state.p_cap) + axis.cap_line_compliance;
   const Lanes rod_give =
@@ -100,6 +125,7 @@ void Plant::oil_side(const double* x, const PlantInput& input, double* rate, Vec
     if (layout_.bristles >= 0) rate[layout_.bristles + i] = oil.bristle[i];
     axial[i] = force[i];
   }
+  lines_side(x, rate, work);
   work.supply_flow = oil.supply_flow.sum();
   work.return_flow = oil.return_flow.sum();
 }
@@ -126,6 +152,10 @@ LegOutput Plant::oil_output(int i, const Work& work) {
   out.spool_rate = state.spool_rate[i];
   out.cap_flow = oil.cap_flow[i];
   out.rod_flow = oil.rod_flow[i];
+  out.cap_valve_pressure = state.cap_port[i];
+  out.rod_valve_pressure = state.rod_port[i];
+  out.cap_inflow = oil.cap_inflow[i];
+  out.rod_inflow = oil.rod_inflow[i];
   out.supply_flow = oil.supply_flow[i];
   out.return_flow = oil.return_flow[i];
   out.internal_leakage = oil.internal_leakage[i];

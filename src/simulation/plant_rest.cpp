@@ -66,16 +66,18 @@ double Plant::hold(const dynamics::StaticEquilibrium& statics, const model::Supp
   double drawn = 0.0;
   for (int i = 0; i < leg_count; ++i) {
     const double force = 0.0 - statics.legs[i].oil_force;
-    const auto oil = hydraulics::hydraulic_rest(axes_[i], supply, force);
+    const auto oil = hydraulics::hydraulic_rest(axes_[i], supply, force,
+                                                {lines_[i].cap.loss(), lines_[i].rod.loss()});
     require_rest(i, oil, force, supply.pressure);
     rest.x[layout_.cap(i)] = oil.p_cap;
     rest.x[layout_.rod(i)] = oil.p_rod;
     rest.x[layout_.spool(i)] = oil.spool;
     rest.input.command[i] = oil.spool;
-    drawn +=
-        hydraulics::valve_flows(axes_[i].valve, oil.spool,
-                                {supply.pressure, supply.return_pressure, oil.p_cap, oil.p_rod})
-            .supply;
+    const auto flows = hydraulics::valve_flows(
+        axes_[i].valve, oil.spool,
+        {supply.pressure, supply.return_pressure, oil.valve_pressure.cap, oil.valve_pressure.rod});
+    lines_at_rest(i, oil, flows, rest.x);
+    drawn += flows.supply;
   }
   return drawn;
 }

@@ -11,6 +11,7 @@ using numerics::Lanes;
 /// As long as any plant's state, without allocation.
 constexpr int most_states = 2 * dynamics::most_velocities + 1 + 4 * model::leg_count + 1 +
                             model::leg_count + 12 +
+                            2 * model::leg_count * 2 * model::most_line_segments +
                             2 * 2 * static_cast<int>(dynamics::arms_per_seal) * model::leg_count;
 using StateOnStack = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, most_states, 1>;
 
@@ -30,6 +31,8 @@ struct Plant::OilConstants {
 struct OilState {
   Lanes s, s_rate;
   Lanes p_cap, p_rod, spool, spool_rate, bristle;
+  Lanes cap_port, rod_port;  // at the valve [Pa]
+  const double* x;           // where the lines' flows stand
   Lanes command;
   double supply_pressure;
 };
@@ -38,6 +41,7 @@ struct OilState {
 struct OilRates {
   Lanes p_cap, p_rod, spool_rate, bristle;
   Lanes cap_flow, rod_flow, supply_flow, return_flow;
+  Lanes cap_inflow, rod_inflow;
   Lanes internal_leakage, external_leakage;
   Lanes piston, piston_rate;
   Lanes oil_force, friction_force, stop_force;

@@ -52,10 +52,26 @@ Fastest fastest_of(const Plant& plant, const Eigen::MatrixXd& A) {
   return fastest;
 }
 
+/// Steps that are fixed have to be short enough for the waves in lines: else the run would end with
+/// numbers that are not finite.
+void require_short_steps(const Plant& plant, const Plant::Rest& rest, double step) {
+  constexpr double most = 0.8;  // of a radian: waves keep their size
+  Eigen::MatrixXd A = plant.linearise(rest.x, rest.input).A;
+  take_out_spools(plant, A);
+  const auto fastest = fastest_of(plant, A);
+  if (step * fastest.rate <= most) return;
+  throw base::ComputationError(fmt::format(
+      "fixed steps of {:.3g} s are too long for a state that changes at {:.2g} 1/s (fastest: {}); "
+      "expected at most {:.2g} s, another integrator or fewer `lines.segments`",
+      step, fastest.rate, fastest.state, most / fastest.rate));
+}
+
 }  // namespace
 
 void require_passable(const Plant& plant, const Plant::Rest& rest, const IntegratorOptions& options,
                       double until) {
+  if (options.method == Method::fixed && plant.layout().line_states > 0)
+    return require_short_steps(plant, rest, options.fixed_step);
   const bool exponential = options.method == Method::exponential;
   if (options.method != Method::adaptive && options.method != Method::cvode_adams && !exponential)
     return;

@@ -51,8 +51,9 @@ SystemPole described(Complex pole, int group, const Eigen::VectorXd& shares,
   for (size_t k = 0; k < parts.size(); ++k) {
     const double share = shares[static_cast<Eigen::Index>(k)] / sum;
     found.parts[static_cast<size_t>(parts[k].part)] += share;
+    const auto part = parts[k].part;
     const bool of_leg =
-        parts[k].part == Part::seal || parts[k].part == Part::oil || parts[k].part == Part::valve;
+        part == Part::seal || part == Part::oil || part == Part::line || part == Part::valve;
     if (of_leg && parts[k].leg >= 0) found.legs[static_cast<size_t>(parts[k].leg)] += share;
   }
   return found;

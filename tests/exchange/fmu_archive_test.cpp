@@ -307,6 +307,21 @@ TEST(FmuArchive, TheStructureIsTrueWithHydraulics) {
   expect_true_structure(rich_machine(), true, dynamics::ModelKind::guide);
 }
 
+/// Flows of lines, which leg 4 has none of, stand between valves and chambers.
+TEST(FmuArchive, TheStructureIsTrueWithLines) {
+  for (const char* gimbals : {"", "legs.gimbal_stiffness=\"200 kN/mm\""}) {
+    std::vector<std::string> overrides{"lines.segments=2",
+                                       "legs.friction.coulomb=210 N",
+                                       "supply.pump_flow=\"310 l/min\"",
+                                       "legs.oil_spring.cylinder.cap_line_length=2.7",
+                                       "leg.3.oil_spring.cylinder.rod_line_length=1.9",
+                                       "leg.4.oil_spring.cylinder.cap_line_length=0"};
+    if (*gimbals != '\0') overrides.emplace_back(gimbals);
+    expect_true_structure(machine_of("heavy-platform", overrides), true,
+                          dynamics::ModelKind::rigid);
+  }
+}
+
 TEST(FmuArchive, TheStructureIsTrueOfTheMechanics) {
   Random random(11);
   expect_true_structure(random_machine(random, {.gravity = Gravity::down}), false,

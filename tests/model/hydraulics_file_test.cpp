@@ -88,6 +88,32 @@ TEST(HydraulicsFile, TheSupplyIsReadInItsUnits) {
   EXPECT_EQ(supply.accumulator.value().polytropic, 1.3);
 }
 
+TEST(HydraulicsFile, LinesHaveSegments) {
+  const std::vector<std::string> line{"legs.oil_spring.cylinder.rod_line_volume=1.1 l",
+                                      "leg.5.oil_spring.cylinder.rod_line_length=3.7 m"};
+  const auto lines_with = [&line](std::vector<std::string> more) {
+    more.insert(more.end(), line.begin(), line.end());
+    return with(more).hydraulics.lines;
+  };
+  EXPECT_EQ(with({}).hydraulics.lines.segments, 0.0);
+  const auto lines = lines_with({"lines={ segments = 3, viscosity = \"31 mPa s\" }"});
+  EXPECT_EQ(lines.segments, 3.0);
+  EXPECT_DOUBLE_EQ(lines.viscosity, 0.031);
+  const auto message_of = [&](const std::vector<std::string>& more) -> std::string {
+    try {
+      lines_with(more);
+    } catch (const base::InputError& error) {
+      return error.diagnostics()[0].message;
+    }
+    return "accepted";
+  };
+  EXPECT_EQ(message_of({"lines.segments=2.5"}), "is 2.5, expected a whole number up to 8");
+  EXPECT_EQ(message_of({"lines.segments=2", "legs.oil_spring.cylinder.volumes=equal",
+                        "legs.oil_spring.cylinder.control_volume=2 l"}),
+            "takes lines out of the chambers that hold them, expected "
+            "`legs.oil_spring.cylinder.volumes` = \"chambers\"");
+}
+
 struct Refused {
   std::string override_text{}, message{};
 };
@@ -136,6 +162,14 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"supply.accumulator={ gas_volume = 0.01, precharge = 9e6 }",
                 "supply.accumulator: has no effect: without a `pump_flow` the supply pressure is "
                 "constant, expected `pump_flow` too"},
+        Refused{"lines.segments=9",
+                "lines.segments: is 9, expected 0 (dead ends) or a whole number of segments up to "
+                "8"},
+        Refused{"lines.viscosity=-0.01",
+                "lines.viscosity: is -0.01 Pa s, expected 0 or more"},
+        Refused{"lines.segments=3",
+                "lines.segments: has no effect: no line has a length, expected "
+                "`legs.oil_spring.cylinder.cap_line_length` or `rod_line_length`"},
         Refused{"supply.pressur=1e7", "supply.pressur: unknown key; did you mean `pressure`?"}));
 
 TEST(HydraulicsFile, AnEquivalentCylinderMustHoldItsStroke) {

@@ -29,7 +29,7 @@ const std::vector<WrongInput> wrong_files{
      {},
      "m.toml:2:1: error: mas: unknown key; known here: name, description, source, state, "
      "environment, "
-     "base, platform, payload_modes, legs, leg, model, damping, supply, controller, sensors, "
+     "base, platform, payload_modes, legs, leg, model, damping, supply, lines, controller, sensors, "
      "poses"},
     {"UnknownTable",
      {{"[environment]", "[enviroment]"}},

@@ -191,9 +191,20 @@ struct LegHydraulics {
   EquivalentCylinder equivalent_cylinder{};
 };
 
+/// Lines between valves and chambers whose oil moves by itself: waves (docs/theory/hydraulics.md,
+/// "Waves in lines"). Every line that has a length; lengths and volumes are those of Cylinder.
+struct Lines {
+  double segments{};       ///< N, a whole number; 0: each line is a dead end without waves
+  double viscosity{0.04};  ///< μ [Pa s]: 46 mm²/s at 870 kg/m³, an oil of ISO VG 46 at 40 °C
+};
+
+/// More segments than a record or a controller can tell apart, and fewer than make a plant slow.
+inline constexpr int most_line_segments = 8;
+
 /// What the legs share.
 struct Hydraulics {
   Supply supply{};
+  Lines lines{};
   double cavitation_pressure{5e4};  ///< [Pa] about which a chamber fills with vapour
 };
 

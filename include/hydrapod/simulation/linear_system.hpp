@@ -65,11 +65,12 @@ enum class Part {
   controller,
   delay,
   base,
-  payload
+  payload,
+  line  ///< with waves
 };
-inline constexpr int part_count = 15;
+inline constexpr int part_count = 16;
 /// "platform x", …, "seals", "oil", "valves", "supply", "friction", "controller", "delay", "base",
-/// "payload".
+/// "payload", "lines".
 const char* name(Part part);
 
 struct StatePart {
@@ -120,7 +121,7 @@ struct SystemPole {
   double damping_ratio{};                       ///< −Re λ / |λ|, 1 for real stable poles
   int group{};                                  ///< same number for equal poles
   std::array<double, part_count> parts{};       ///< participation by Part, sum 1
-  std::array<double, model::leg_count> legs{};  ///< of seals, oil and valves by leg
+  std::array<double, model::leg_count> legs{};  ///< of seals, oil, lines, valves by leg
   /// C v: how P's origin moves against the base in it, any scale. Equal poles: together they span
   /// the motion.
   Eigen::Matrix<std::complex<double>, 6, 1> motion{

@@ -11,7 +11,10 @@
 ///     w    per leg spool position [of the travel] and its rate [1/s]
 ///     p_s  supply pressure [Pa], with a limited pump only
 ///     z    per leg the bristles' bend [m], with LuGre friction in any leg only
-///     q_b  motion of the base against the ground [m, rad], in the directions that give way only
+///     p, q per line with waves (a length and `lines.segments` N) its pressures from the valve on
+///          [Pa] and its flows towards the chamber [m³/s], see hydraulics::SegmentedLine: leg 1 cap
+///          side, leg 1 rod side, leg 2 cap side, …
+///     q_b  motion of the base against the ground [m, rad], in the compliant directions only
 ///     v_b  its rates
 ///     η    per arm of seals that are elastomers two [m], along t and a2: of the guide sleeve's
 ///     arms
@@ -81,9 +84,12 @@ struct StateLayout {
   int pressures{-1};  ///< first of 12: leg 1 cap, leg 1 rod, leg 2 cap, …
   int spools{-1};     ///< first of 12: leg 1 position, leg 1 rate, leg 2 position, …
   int supply{-1};
-  int bristles{-1};                 ///< first of 6
-  int base{-1};                     ///< first of q_b, then as many of v_b
-  int arms{-1};      ///< first of the seals' η
+  int bristles{-1};   ///< first of 6
+  int line_states{};  ///< of one line, 2 N; 0: no lines with waves
+  /// First state of each line, in the order of the pressures; −1 where it has no waves.
+  std::array<int, 2 * model::leg_count> lines{-1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1};
+  int base{-1};  ///< first of q_b, then as many of v_b
+  int arms{-1};  ///< first of the seals' η
   /// Per leg the first η of its guide sleeve and of its piston ring, arm by arm along t and a2; −1
   /// where the seal is no elastomer.
   std::array<int, model::leg_count> sleeve_arms{-1, -1, -1, -1, -1, -1};
@@ -101,7 +107,9 @@ struct LegOutput {
   double piston{}, piston_rate{};         ///< in the cylinder: s_p [m], ṡ_p [m/s]
   double cap_pressure{}, rod_pressure{};  ///< [Pa]
   double spool{}, spool_rate{};
-  double cap_flow{}, rod_flow{};        ///< from the valve into the chambers [m³/s]
+  double cap_flow{}, rod_flow{};  ///< from the valve towards the chambers [m³/s]
+  double cap_valve_pressure{}, rod_valve_pressure{};  ///< at the valve's ports [Pa]
+  double cap_inflow{}, rod_inflow{};    ///< out of the lines into the chambers [m³/s]
   double supply_flow{}, return_flow{};  ///< of the valve [m³/s]
   double internal_leakage{};            ///< cap side to rod side [m³/s]
   double external_leakage{};            ///< out of both chambers [m³/s]
@@ -138,6 +146,8 @@ struct PlantOutput {
   double gimbal_energy{};      ///< [J], with hydraulics: Σ F²/2k_j; else part of the oil springs'
   double seal_arms_energy{};   ///< [J], of the arms of seals that are elastomers
   double dissipation{};        ///< [W]: seals, joints, friction, dampers, mount; not the hydraulics
+  double line_kinetic_energy{};  ///< [J], of the oil in lines with waves
+  double line_dissipation{};     ///< [W], by the viscosity of that oil
 };
 
 /// δẋ = A δx + B δu, δy = C δx + D δu. δx is a small change of x with the quaternion replaced by
@@ -161,6 +171,7 @@ class Plant {
   [[nodiscard]] ModelKind kind() const { return mechanics_.kind(); }
   [[nodiscard]] const PlantOptions& options() const { return options_; }
   [[nodiscard]] const dynamics::NonlinearModel& mechanics() const { return mechanics_; }
+  /// Its chambers do not contain what lines with waves hold.
   [[nodiscard]] const hydraulics::ServoAxis& axis(int leg) const { return axes_[leg]; }
   [[nodiscard]] const dynamics::MovingBase& base() const { return base_; }  ///< `count` 0: still
 
@@ -234,6 +245,14 @@ class Plant {
   double spring_side(int leg, const dynamics::LegMotion& motion, const PlantInput& input,
                      LegOutput& out) const;
   void supply_side(const double* x, double* rate, Work& work) const;
+  void set_lines();
+  void lines_side(const double* x, double* rate, const Work& work) const;
+  void lines_outputs(const double* x, PlantOutput& out) const;
+  void lines_at_rest(int leg, const hydraulics::HydraulicRest& oil,
+                     const hydraulics::PortFlows& flows, Eigen::VectorXd& x) const;
+  /// each(line, chamber, first state) of the lines with waves; `chamber` as in StateLayout::lines.
+  template <class Each>
+  void for_lines(const Each& each) const;
   [[nodiscard]] Eigen::VectorXd tangent_rates(const Eigen::VectorXd& x, const Eigen::VectorXd& x_0,
                                               const PlantInput& input) const;
   [[nodiscard]] dynamics::Motion motion(const double* x) const;
@@ -258,6 +277,7 @@ class Plant {
   dynamics::NonlinearModel mechanics_;
   PlantOptions options_;
   std::array<hydraulics::ServoAxis, model::leg_count> axes_{};
+  std::array<hydraulics::LegLines, model::leg_count> lines_{};
   std::array<OilSpring, model::leg_count> springs_{};
   std::array<Gimbals, model::leg_count> gimbals_{};
   /// Of the seals that are elastomers.

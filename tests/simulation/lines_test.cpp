@@ -1,0 +1,464 @@
+/// Lines with waves in the plant, against the transmission line's exact solution between valve and
+/// chamber, and against themselves: linear and simulated, all integrators, energies.
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <unsupported/Eigen/MatrixFunctions>
+
+#include "hydrapod/base/error.hpp"
+#include "hydrapod/dynamics/linear_model.hpp"
+#include "hydrapod/numerics/dense.hpp"
+#include "hydrapod/simulation/closed_loop.hpp"
+#include "hydrapod/simulation/linear_system.hpp"
+#include "support/loop_machine.hpp"
+#include "support/random.hpp"
+
+namespace hydrapod::simulation {
+namespace {
+
+using Complex = std::complex<double>;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using model::leg_count;
+using model::Machine;
+
+constexpr double cap_length(int leg) { return 2.9 + 0.31 * leg; }
+constexpr double rod_length(int leg) { return 2.6 + 0.09 * leg; }
+
+/// Heavy platform with lines of different lengths, no air, and laws that are smooth.
+Machine with_lines(int segments, double viscosity = 0.0) {
+  auto machine = machine_of("heavy-platform");
+  machine.hydraulics.lines = {.segments = static_cast<double>(segments), .viscosity = viscosity};
+  for (int i = 0; i < leg_count; ++i) {
+    auto& leg = machine.legs[static_cast<std::size_t>(i)];
+    auto& cylinder = *leg.oil_spring.cylinder;
+    cylinder.cap_line_length = cap_length(i);
+    cylinder.rod_line_length = rod_length(i);
+    cylinder.cap_line_compliance = 0.071e-12;
+    cylinder.density = 873.0;
+    cylinder.air.reset();
+    leg.added_axial_inertia = 0.0;
+    leg.hydraulics.leakage = {.internal = 0.0, .external = 0.0};
+  }
+  return machine;
+}
+
+Pose tilted(const Machine& machine) {
+  Pose pose = machine.neutral();
+  pose.p_BP += Vector3(0.04, -0.07, 0.05);
+  pose.R_BP = spatial::rotation_from_rpy({0.03, -0.05, 0.07}) * pose.R_BP;
+  return pose;
+}
+
+// ---- Poles of the machine on exact lines ----------------------------------------------------
+
+/// A uniform line between a chamber and a valve of the conductance g = −∂Q/∂p.
+struct ExactLine {
+  double inertance{}, resistance{}, capacity{}, valve{};
+
+  ExactLine(const model::Cylinder& cylinder, bool cap, double viscosity, double g) : valve(g) {
+    const double length = cap ? cylinder.cap_line_length : cylinder.rod_line_length;
+    const double volume = cap ? cylinder.cap_line_volume : cylinder.rod_line_volume;
+    const double section = volume / length;
+    const double diameter = std::sqrt(4.0 * section / std::numbers::pi);
+    inertance = cylinder.density * length / section;
+    resistance = 128.0 * viscosity * length / (std::numbers::pi * std::pow(diameter, 4));
+    capacity = volume / cylinder.bulk_modulus +
+               (cap ? cylinder.cap_line_compliance : cylinder.rod_line_compliance);
+  }
+  /// Flow out of the chamber per its pressure.
+  [[nodiscard]] Complex admittance(Complex s) const {
+    const Complex Z = s * inertance + resistance, Y = s * capacity;
+    const Complex gamma = std::sqrt(Z * Y), Z_c = Z / gamma;
+    const Complex ch = std::cosh(gamma), sh = std::sinh(gamma);
+    return (sh / Z_c + valve * ch) / (ch + valve * Z_c * sh);
+  }
+};
+
+/// The rigid machine at rest: D(s) = M s² + K_0 + Σ k_leg(s) nᵀ n.
+class ExactMachine {
+ public:
+  ExactMachine(const Machine& machine, const Pose& X_BP) {
+    const auto dead = hydraulics::without_line_inertia(machine);
+    const auto linear = dynamics::linear_model(dead, X_BP, ModelKind::rigid);
+    M_ = linear.M;
+    K_ = linear.K;
+    const Plant plant(machine, ModelKind::rigid, {.friction = Friction::none}, X_BP);
+    const auto rest = plant.equilibrium(X_BP);
+    const auto out = plant.outputs(rest.x.data(), rest.input);
+    for (std::size_t i = 0; i < leg_count; ++i) {
+      const auto& leg = machine.legs[i];
+      const auto& cylinder = *leg.oil_spring.cylinder;
+      const auto& on = out.legs[i];
+      n_[i] = linear.J[i].row(2);
+      K_ -= hydraulics::oil_stiffness(leg, on.piston) * n_[i].transpose() * n_[i];
+      const auto volume = hydraulics::chamber_volumes(cylinder, *leg.stroke, on.piston);
+      const auto area = hydraulics::areas(cylinder);
+      const auto& supply = machine.hydraulics.supply;
+      const auto slopes = hydraulics::valve_flow_slopes(
+          plant.axis(static_cast<int>(i)).valve, on.spool,
+          {supply.pressure, supply.return_pressure, on.cap_valve_pressure, on.rod_valve_pressure});
+      const double mu = machine.hydraulics.lines.viscosity, beta = cylinder.bulk_modulus;
+      chambers_.push_back({i, area.piston, (volume.cap - cylinder.cap_line_volume) / beta,
+                           ExactLine(cylinder, true, mu, -slopes.cap_p)});
+      chambers_.push_back({i, area.annulus, (volume.rod - cylinder.rod_line_volume) / beta,
+                           ExactLine(cylinder, false, mu, -slopes.rod_p)});
+    }
+  }
+
+  /// The root of 1/(uᵀ D(s)⁻¹ v) near `s`, by secants.
+  [[nodiscard]] Complex pole_near(Complex s) const {
+    Complex before = s * (1.0 + 1e-5), f_before = reciprocal(before);
+    for (int k = 0; k < 60; ++k) {
+      const Complex f = reciprocal(s);
+      if (f == f_before) break;
+      const Complex next = s - f * (s - before) / (f - f_before);
+      before = s;
+      f_before = f;
+      s = next;
+      if (std::abs(s - before) < 1e-13 * std::abs(s)) break;
+    }
+    return s;
+  }
+
+ private:
+  struct Chamber {
+    std::size_t leg{};
+    double area{}, capacity{};
+    ExactLine line;
+  };
+
+  /// Platform and pressures [MPa] of the chambers, so that no root is near a pole.
+  [[nodiscard]] Complex reciprocal(Complex s) const {
+    constexpr double unit = 1e6;
+    constexpr int n = 6 + 2 * leg_count;
+    Eigen::MatrixXcd D = Eigen::MatrixXcd::Zero(n, n);
+    D.topLeftCorner<6, 6>() = s * s * M_.cast<Complex>() + K_.cast<Complex>();
+    for (int c = 0; c < 2 * leg_count; ++c) {
+      const auto& chamber = chambers_[static_cast<std::size_t>(c)];
+      const Eigen::Matrix<Complex, 1, 6> push = chamber.area * n_[chamber.leg].cast<Complex>();
+      D.block<6, 1>(0, 6 + c) = -unit * push.transpose();
+      D.block<1, 6>(6 + c, 0) = unit * s * push;
+      D(6 + c, 6 + c) = unit * unit * (s * chamber.capacity + chamber.line.admittance(s));
+    }
+    Eigen::VectorXcd u(n), v(n);
+    for (int i = 0; i < n; ++i) {
+      u[i] = 1.0 + 0.3 * i;
+      v[i] = 1.7 - 0.4 * i * i + 0.02 * i * i * i;
+    }
+    return 1.0 / (u.transpose() * D.partialPivLu().solve(v)).value();
+  }
+
+  spatial::Matrix6 M_{}, K_{};
+  std::array<Eigen::Matrix<double, 1, 6>, leg_count> n_{};
+  std::vector<Chamber> chambers_{};
+};
+
+/// Poles of the plant that oscillate, by frequency: six of the platform, one of each of the cap
+/// side's lines, then of the rod side's, and higher ones.
+std::vector<Complex> plant_poles(const Machine& machine, const Pose& X_BP, std::size_t count) {
+  const Plant plant(machine, ModelKind::rigid, {.friction = Friction::none}, X_BP);
+  const auto rest = plant.equilibrium(X_BP);
+  MatrixXd A = plant.linearise(rest.x, rest.input).A;
+  const int spools = plant.layout().spools - 1;
+  A.middleCols(spools, 12).setZero();  // they are held
+  A.middleRows(spools, 12).setZero();
+  const VectorXd d = numerics::balancing(A);
+  std::vector<Complex> poles;
+  for (const Complex pole :
+       numerics::eigenvalues(d.cwiseInverse().asDiagonal() * A * d.asDiagonal()))
+    if (pole.imag() > 1.0) poles.push_back(pole);
+  std::ranges::sort(poles, {}, [](Complex pole) { return pole.imag(); });
+  poles.resize(count);
+  return poles;
+}
+
+struct ValveCase {
+  const char* name;
+  double overlap, leakage, viscosity;
+};
+void PrintTo(const ValveCase& test, std::ostream* out) { *out << test.name; }
+
+class LinePoles : public testing::TestWithParam<ValveCase> {};
+
+TEST_P(LinePoles, AreThoseOfTheExactLineByTheSecondOrder) {
+  constexpr std::size_t count = 6 + 12;
+  const auto machine_with = [](int segments) {
+    auto machine = with_lines(segments, GetParam().viscosity);
+    for (auto& leg : machine.legs) {
+      leg.hydraulics.valve.overlap = GetParam().overlap;
+      leg.hydraulics.valve.leakage = GetParam().leakage;
+    }
+    return machine;
+  };
+  const auto machine = machine_with(8);
+  const Pose X_BP = tilted(machine);
+  const ExactMachine exact(machine, X_BP);
+  const auto four = plant_poles(machine_with(4), X_BP, count);
+  const auto eight = plant_poles(machine, X_BP, count);
+  double worst = 0.0, least = 1e300;
+  std::vector<Complex> poles;
+  for (std::size_t k = 0; k < count; ++k) {
+    const Complex better = (4.0 * eight[k] - four[k]) / 3.0;
+    const Complex pole = poles.emplace_back(exact.pole_near(better));
+    const double size = std::abs(pole);
+    for (std::size_t other = 0; other < k; ++other)  // none is found twice
+      least = std::min(least, std::abs(pole - poles[other]) / size);
+    const double e4 = std::abs(four[k] - pole) / size, e8 = std::abs(eight[k] - pole) / size;
+    worst = std::max(worst, e8);
+    EXPECT_NEAR(std::log2(e4 / e8), 2.0, 0.06) << pole;
+    // what is left after the second order
+    EXPECT_LT(std::abs(better - pole), 1e-4 * size) << pole;
+  }
+  EXPECT_GT(least, 1e-4);
+  EXPECT_LT(worst, 6e-3);
+  RecordProperty("worst_of_eight_segments", fmt::format("{:.2e}", worst));
+}
+
+INSTANTIATE_TEST_SUITE_P(, LinePoles,
+                         testing::Values(ValveCase{"shut", 0.07, 0.0, 0.0},
+                                         ValveCase{"shut_with_loss", 0.07, 0.0, 0.31},
+                                         ValveCase{"leaking", 0.0, 31e-6, 0.04},
+                                         ValveCase{"underlap", -0.11, 1e-6, 0.13}));
+
+/// Far below the first wave, a shut valve's line is the inertia of a dead end.
+TEST(Lines, ThatAreSlowAreDeadEnds) {
+  auto waves = with_lines(8);
+  for (auto& leg : waves.legs) {
+    leg.hydraulics.valve.overlap = 0.07;
+    leg.hydraulics.valve.leakage = 0.0;
+  }
+  auto ends = waves;
+  ends.hydraulics.lines.segments = 0.0;
+  auto none = hydraulics::without_line_inertia(ends);
+  const Pose X_BP = tilted(waves);
+  const auto with_waves = plant_poles(waves, X_BP, 6), dead = plant_poles(ends, X_BP, 6),
+             without = plant_poles(none, X_BP, 6);
+  for (std::size_t k = 0; k < 6; ++k) {
+    const double omega = dead[k].imag(), shift = without[k].imag() - omega;
+    EXPECT_GT(shift, 1e-5 * omega);
+    EXPECT_NEAR(with_waves[k].imag(), omega, 0.06 * shift);
+  }
+}
+
+// ---- States ---------------------------------------------------------------------------------
+
+TEST(Lines, StandInTheStateInTheOrderOfTheChambers) {
+  auto machine = with_lines(2, 0.04);
+  machine.legs[1].oil_spring.cylinder->cap_line_length = 0.0;
+  machine.legs[4].oil_spring.cylinder->rod_line_length = 0.0;
+  const Plant plant(machine, ModelKind::guide);
+  const auto& layout = plant.layout();
+  EXPECT_EQ(layout.line_states, 4);
+  EXPECT_EQ(layout.lines[2], -1);
+  EXPECT_EQ(layout.lines[9], -1);
+  EXPECT_EQ(layout.lines[0], layout.spools + 12);
+  EXPECT_EQ(layout.lines[11] + 4, layout.size);
+  const auto names = plant.state_names(), units = plant.state_units();
+  ASSERT_EQ(names.size(), static_cast<std::size_t>(layout.size));
+  const auto at = static_cast<std::size_t>(layout.lines[3]);
+  EXPECT_THAT(std::vector(names.begin() + layout.lines[3], names.begin() + layout.lines[3] + 4),
+              testing::ElementsAre("leg2.rod_line.p0", "leg2.rod_line.p1", "leg2.rod_line.q1",
+                                   "leg2.rod_line.q2"));
+  EXPECT_EQ(units[at + 1], "Pa");
+  EXPECT_EQ(units[at + 2], "m^3/s");
+  machine.hydraulics.lines.segments = 0.0;
+  EXPECT_EQ(Plant(machine, ModelKind::guide).layout().size, layout.size - 10 * 4);
+  machine.hydraulics.lines.segments = 2.0;
+  const Plant springs(machine, ModelKind::guide, {.hydraulics = false});
+  EXPECT_EQ(springs.layout().line_states, 0);
+}
+
+TEST(Lines, HavePolesOfTheirOwn) {
+  const auto machine = with_lines(3, 0.04);
+  const auto system = linear_system(machine, machine.neutral(), {.sampled = false});
+  const auto poles = system_poles(system);
+  int waves = 0;
+  for (const auto& pole : poles.poles)
+    waves += pole.oscillates() && pole.parts[static_cast<std::size_t>(Part::line)] > 0.5 ? 1 : 0;
+  EXPECT_GE(waves, 12);
+  EXPECT_STREQ(name(Part::line), "lines");
+  EXPECT_TRUE(poles.stable);
+}
+
+TEST(Lines, RestAtTheEquilibrium) {
+  for (const bool pump : {false, true}) {
+    auto machine = with_lines(3, 1.7);  // thick oil: a loss that is seen
+    for (auto& leg : machine.legs) {
+      leg.hydraulics.leakage = {.internal = 5.1e-12, .external = 0.7e-12};
+      leg.hydraulics.valve.leakage = 23e-6;
+    }
+    if (pump) machine.hydraulics.supply.pump_flow = 5e-3;
+    const Plant plant(machine, ModelKind::guide);
+    const auto rest = plant.equilibrium(tilted(machine));
+    VectorXd rate(plant.layout().size);
+    ASSERT_TRUE(plant.derivative(0.0, rest.x.data(), rest.input, rate.data()));
+    EXPECT_LT(rate.cwiseQuotient(plant.scales()).lpNorm<Eigen::Infinity>(), 1e-6);
+    const auto out = plant.outputs(rest.x.data(), rest.input);
+    double loss = 0.0;
+    for (const auto& leg : out.legs) {
+      EXPECT_GT(leg.cap_valve_pressure - leg.cap_pressure, 100.0);
+      EXPECT_NEAR(leg.cap_inflow, leg.cap_flow, 1e-9 * leg.cap_flow);
+      loss += (leg.cap_valve_pressure - leg.cap_pressure) * leg.cap_flow +
+              (leg.rod_valve_pressure - leg.rod_pressure) * leg.rod_flow;
+    }
+    EXPECT_NEAR(out.line_dissipation, loss, 1e-8 * loss);
+  }
+}
+
+// ---- Motion ---------------------------------------------------------------------------------
+
+/// After 40 ms with the commands of all valves changed by `size` times some pattern.
+VectorXd moved(const Plant& plant, double size, const IntegratorOptions& options) {
+  const auto rest = plant.equilibrium(tilted(plant.machine()));
+  Integrator run(plant, options);
+  run.start(0.0, rest.x);
+  PlantInput input = rest.input;
+  for (int k = 1; k <= 20; ++k) {
+    for (int i = 0; i < 6; ++i)
+      input.command[i] = rest.input.command[i] + size * std::cos(1.3 * k + 2.0 * i);
+    run.advance(2e-3 * k, input);
+  }
+  return run.state();
+}
+
+IntegratorOptions with(Method method, double tolerance) {
+  return {.method = method, .relative_tolerance = tolerance, .absolute_tolerance = tolerance};
+}
+
+TEST(Lines, MoveAsTheirLinearisation) {
+  const auto machine = with_lines(3, 0.04);
+  const Plant plant(machine, ModelKind::rigid, {.friction = Friction::viscous}, tilted(machine));
+  const auto rest = plant.equilibrium(tilted(machine));
+  const auto linear = plant.linearise(rest.x, rest.input);
+  const VectorXd full = plant.scales();
+  VectorXd scales(full.size() - 1);
+  scales << full.head<3>(), full.tail(full.size() - 4);
+  const auto n = scales.size();
+  MatrixXd both = MatrixXd::Zero(n + 6, n + 6);
+  both.topLeftCorner(n, n) = scales.cwiseInverse().asDiagonal() * linear.A * scales.asDiagonal();
+  both.topRightCorner(n, 6) = scales.cwiseInverse().asDiagonal() * linear.B.leftCols(6);
+  const MatrixXd step = (2e-3 * both).exp();
+  VectorXd change = VectorXd::Zero(n);
+  for (int k = 1; k <= 20; ++k) {
+    Eigen::Matrix<double, 6, 1> u;
+    for (int i = 0; i < 6; ++i) u[i] = std::cos(1.3 * k + 2.0 * i);
+    change = step.topLeftCorner(n, n) * change + step.topRightCorner(n, 6) * u;
+  }
+  const auto error = [&](double size) {
+    VectorXd at(full.size());
+    const VectorXd small = size * scales.cwiseProduct(change);
+    plant.displace(rest.x.data(), small.data(), at.data());
+    const VectorXd difference =
+        (moved(plant, size, with(Method::cvode_adams, 1e-12)) - at).cwiseQuotient(full);
+    return difference.lpNorm<Eigen::Infinity>() / (size * change.lpNorm<Eigen::Infinity>());
+  };
+  const double coarse = error(4e-4), fine = error(1e-4);
+  EXPECT_LT(fine, 1e-3);
+  EXPECT_NEAR(coarse / fine, 4.0, 0.3);  // what is left is of the second order
+}
+
+TEST(Lines, MoveAlikeWithAllIntegrators) {
+  auto machine = with_lines(3, 0.04);
+  for (auto& leg : machine.legs) leg.hydraulics.valve.overlap = -0.4;  // no edge passes its corner
+  const Plant plant(machine, ModelKind::guide, {}, tilted(machine));
+  const VectorXd scales = plant.scales();
+  const VectorXd exact = moved(plant, 0.2, with(Method::cvode_adams, 1e-11));
+  const auto error = [&](const IntegratorOptions& options) {
+    return (moved(plant, 0.2, options) - exact).cwiseQuotient(scales).lpNorm<Eigen::Infinity>();
+  };
+  for (const auto method :
+       {Method::exponential, Method::adaptive, Method::cvode_adams, Method::cvode_bdf})
+    for (const double tolerance : {1e-5, 1e-7})
+      EXPECT_LT(error(with(method, tolerance)), 1000.0 * tolerance) << name(method);
+  const double coarse = error({.method = Method::fixed, .fixed_step = 5e-5});
+  const double fine = error({.method = Method::fixed, .fixed_step = 2.5e-5});
+  EXPECT_LT(fine, 1e-5);
+  EXPECT_NEAR(std::log2(coarse / fine), 4.0, 0.5);
+}
+
+/// Valves shut, cylinders tight: what mechanism, oil and lines hold changes by what is lost.
+TEST(Lines, KeepTheBalanceOfEnergy) {
+  auto machine = with_lines(3, 0.17);
+  for (auto& leg : machine.legs) {
+    leg.hydraulics.valve.overlap = 0.07;
+    leg.hydraulics.valve.leakage = 0.0;
+  }
+  const Pose X_BP = tilted(machine);
+  const Plant plant(machine, ModelKind::guide, {}, X_BP);
+  const auto rest = plant.equilibrium(X_BP);
+  const auto& layout = plant.layout();
+  VectorXd x = rest.x, rate(layout.size);
+  for (int k = 0; k < 6; ++k) x[layout.velocity() + k] = 0.03 * std::cos(1.0 + 2.0 * k);
+  const double beta = machine.legs[0].oil_spring.cylinder->bulk_modulus;
+  // what the oil takes up, by the states' rates: Σ p C ṗ
+  const auto oil = [&](const PlantOutput& out) {
+    double power = 0.0;
+    for (int c = 0; c < 2 * leg_count; ++c) {
+      const auto i = static_cast<std::size_t>(c / 2);
+      const auto& leg = machine.legs[i];
+      const auto& cylinder = *leg.oil_spring.cylinder;
+      const bool cap = c % 2 == 0;
+      const auto volumes = hydraulics::chamber_volumes(cylinder, *leg.stroke, out.legs[i].piston);
+      const double line = cap ? cylinder.cap_line_volume : cylinder.rod_line_volume;
+      const double wall = cap ? cylinder.cap_line_compliance : cylinder.rod_line_compliance;
+      const double C = (line / beta + wall) / 3.0;
+      const double own = (cap ? volumes.cap : volumes.rod) / beta - line / beta + 0.5 * C;
+      const int p = layout.pressures + c, first = layout.lines[static_cast<std::size_t>(c)];
+      power += own * x[p] * rate[p] + 0.5 * C * x[first] * rate[first] +
+               C * (x[first + 1] * rate[first + 1] + x[first + 2] * rate[first + 2]);
+      const double outside = hydraulics::atmospheric_pressure * (cap ? 1.0 : -1.0) *
+                             (cap ? plant.axis(c / 2).area.piston : plant.axis(c / 2).area.annulus);
+      power += outside * out.legs[i].piston_rate;
+    }
+    return power;
+  };
+  Integrator run(plant, with(Method::cvode_adams, 1e-11));
+  run.start(0.0, x);
+  const int samples = 1200;
+  const double interval = 1e-4;
+  double taken = 0.0, lost = 0.0, in_lines = 0.0, first = 0.0, last = 0.0, moving = 0.0;
+  for (int k = 0; k <= samples; ++k) {
+    if (k > 0) run.advance(k * interval, {});
+    x = run.state();
+    ASSERT_TRUE(plant.derivative(0.0, x.data(), {}, rate.data()));
+    const auto out = plant.outputs(x.data(), {});
+    const double weight = (k == 0 || k == samples ? 1.0 : k % 2 == 1 ? 4.0 : 2.0) * interval / 3.0;
+    taken += weight * oil(out);
+    lost += weight * (out.dissipation + out.line_dissipation);
+    in_lines += weight * out.line_dissipation;
+    last = out.energies.total() + out.line_kinetic_energy;
+    if (k == 0) first = last;
+    moving = std::max(moving, out.energies.platform);
+    EXPECT_GT(out.line_kinetic_energy, -1e-300);
+  }
+  EXPECT_GT(in_lines, 1e-4 * moving);
+  EXPECT_NEAR(last - first + taken + lost, 0.0, 1e-6 * moving);
+}
+
+TEST(Lines, NeedShortStepsWhereTheseAreFixed) {
+  const auto machine = with_lines(8, 0.04);
+  const auto run = [&](double step) {
+    const ClosedLoop loop(
+        machine, machine.neutral(),
+        {.integrator = {.method = Method::fixed, .fixed_step = step}, .until = 0.1});
+  };
+  EXPECT_NO_THROW(run(5e-5));
+  try {
+    run(1e-3);
+    ADD_FAILURE() << "accepted";
+  } catch (const base::ComputationError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("fixed steps of 0.001 s are too long for a state "
+                                                 "that changes at "));
+    EXPECT_THAT(error.what(), testing::HasSubstr("_line."));
+  }
+}
+
+}  // namespace
+}  // namespace hydrapod::simulation
