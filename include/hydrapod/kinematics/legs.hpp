@@ -95,11 +95,11 @@ inline constexpr double singular_condition = 1e6;
 
 PoseQuality pose_quality(const model::Machine& machine, const Pose& X_BP);
 
-/// PoseQuality::condition alone, to 1e-11 of itself, in a fifth of the time.
+/// PoseQuality::condition alone, to 1e-11 of itself, in a third of the time.
 double pose_condition(const model::Machine& machine, const Pose& X_BP);
 
-/// Is the condition at least singular_condition? A bound, which takes a tenth of the time, tells it
-/// of most poses.
+/// Is the condition at least singular_condition? A bound, which takes a twentieth of the time,
+/// tells it of most poses.
 bool is_singular(const model::Machine& machine, const Pose& X_BP);
 
 /// Angles of one leg's joints, all [rad].
