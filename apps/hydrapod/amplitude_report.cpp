@@ -29,6 +29,69 @@ double amplitude_of(const std::string& text, const std::string& argument) {
   return read.value;
 }
 
+/// What the branch has at the amplitude of `point`, the lowest frequency first.
+std::vector<modal::ModeAtAmplitude> solutions(const modal::AmplitudeCurve& curve,
+                                              const modal::ModeAtAmplitude& point) {
+  std::vector<modal::ModeAtAmplitude> found;
+  if (point.converged) found.push_back(point);
+  for (const auto& other : curve.further)
+    if (other.amplitude == point.amplitude) found.push_back(other);
+  std::ranges::sort(found, {}, &modal::ModeAtAmplitude::omega);
+  return found;
+}
+
+bool on_any_branch(const report::ModesAtAmplitudes& modes, int mode, double amplitude) {
+  return std::ranges::any_of(modes.curves, [&](const modal::AmplitudeCurve& curve) {
+    return curve.mode == mode &&
+           std::ranges::any_of(curve.points, [&](const modal::ModeAtAmplitude& point) {
+             return point.amplitude == amplitude && point.converged;
+           });
+  });
+}
+
+/// 0 where the mode has no branch from small motions.
+double of_small_motions(const report::ModesAtAmplitudes& modes, int mode) {
+  const auto curve = std::ranges::find_if(modes.curves, [&](const modal::AmplitudeCurve& one) {
+    return one.mode == mode && !one.from_long_swings &&
+           std::ranges::any_of(one.points, &modal::ModeAtAmplitude::converged);
+  });
+  return curve == modes.curves.end() ? 0.0 : curve->omega;
+}
+
+std::string change_text(double omega, double before) {
+  return before > 0.0 ? fmt::format("{:+.2f} %", 100.0 * (omega / before - 1.0)) : "–";
+}
+
+std::string end_text(const modal::AmplitudeCurve& curve) {
+  const auto place = [](const modal::ModeAtAmplitude& point) {
+    return fmt::format("{:.3g} mm ({} Hz)", millimetres * point.amplitude, hertz(point.omega));
+  };
+  std::string text =
+      fmt::format("Mode {}, {}{}: ", curve.mode + 1, spatial::direction_name(curve.direction),
+                  curve.from_long_swings ? ", from long swings" : "");
+  if (curve.omega == 0.0) return text + "there is no balance where the branch would begin.\n";
+  if (!curve.turning.empty()) {
+    text += "turns back at ";
+    for (const auto& point : curve.turning)
+      text += (&point == &curve.turning.front() ? "" : ", ") + place(point);
+    text += "; ";
+  }
+  const auto at = place(curve.last);
+  switch (curve.end) {
+    case modal::BranchEnd::local:
+      return text + fmt::format(
+                        "at {} a local mode of the legs, the platform has less than {:g} % "
+                        "of the kinetic energy.\n",
+                        at, 100.0 * modal::AmplitudeOptions{}.least_platform);
+    case modal::BranchEnd::turned:
+      return text + "leaves the amplitudes on the side from which it came.\n";
+    case modal::BranchEnd::stopped:
+      return text + fmt::format("the harmonic balance does not converge beyond {}.\n", at);
+    default:
+      return text + fmt::format("followed to {}, the largest number of steps.\n", at);
+  }
+}
+
 }  // namespace
 
 std::vector<double> amplitudes_of(const std::string& text) {
@@ -55,43 +118,59 @@ std::string amplitudes_text(const tasks::Machine& machine, const report::ModesAt
                             const TableStyle& style) {
   Table table({"mode", "<", "amplitude mm", "Hz", "change", "damping", "MAC", "sleeve mm",
                "piston mm", "rods on guide"});
-  bool lost = false;
-  for (const auto& curve : modes.curves)
+  bool lost = false, several = false;
+  std::string notes;
+  for (const auto& curve : modes.curves) {
+    std::string mode = std::to_string(curve.mode + 1);
+    std::string direction = spatial::direction_name(curve.direction);
+    if (curve.from_long_swings) direction += ", from long swings";
+    const auto none = [&](const std::string& amplitude) {
+      table.add_row({mode, direction, amplitude, "–", "–", "–", "–", "–", "–", "–"});
+      mode.clear();
+      direction.clear();
+      lost = true;
+    };
+    const bool empty = std::ranges::none_of(curve.points, &modal::ModeAtAmplitude::converged);
+    if (empty) none("–");
     for (const auto& point : curve.points) {
-      const bool first = &point == &curve.points.front();
-      const std::string amplitude = fmt::format("{:.4g}", millimetres * point.amplitude);
-      const std::string mode = first ? std::to_string(curve.mode + 1) : "";
-      const std::string direction =
-          first ? spatial::direction_name(curve.direction) : std::string();
-      lost = lost || !point.converged;
-      if (!point.converged) {
-        table.add_row({mode, direction, amplitude, "–", "–", "–", "–", "–", "–", "–"});
-        continue;
+      const auto found = solutions(curve, point);
+      const auto amplitude = fmt::format("{:.4g}", millimetres * point.amplitude);
+      if (!empty && !curve.from_long_swings && !on_any_branch(modes, curve.mode, point.amplitude))
+        none(amplitude);
+      for (const auto& solution : found) {
+        table.add_row({mode, direction, amplitude, hertz(solution.omega),
+                       change_text(solution.omega, of_small_motions(modes, curve.mode)),
+                       fmt::format("{:.2f} %", 100.0 * solution.damping_ratio),
+                       fmt::format("{:.3f}", solution.mac),
+                       fmt::format("{:.3g}", millimetres * solution.sleeve),
+                       fmt::format("{:.3g}", millimetres * solution.piston),
+                       std::to_string(solution.legs_on_guide)});
+        mode.clear();
+        direction.clear();
       }
-      table.add_row(
-          {mode, direction, amplitude, hertz(point.omega),
-           fmt::format("{:+.2f} %", 100.0 * (point.omega / curve.omega - 1.0)),
-           fmt::format("{:.2f} %", 100.0 * point.damping_ratio), fmt::format("{:.3f}", point.mac),
-           fmt::format("{:.3g}", millimetres * point.sleeve),
-           fmt::format("{:.3g}", millimetres * point.piston), std::to_string(point.legs_on_guide)});
+      several = several || found.size() > 1;
     }
+    if (curve.end != modal::BranchEnd::beyond) notes += end_text(curve);
+  }
   std::string text = heading(machine, style) + "\n" + table.text(style);
   text +=
       "\nHarmonic balance, one mode at a time. The amplitude is that of the platform joint that "
-      "moves "
-      "most.\nChange: against motions of a thousandth of the first amplitude. Sleeve, piston: "
-      "largest amplitudes "
-      "of the legs.\n";
-  if (lost)
+      "moves most.\nChange: against motions of a thousandth of the first amplitude. Sleeve, "
+      "piston: largest amplitudes of the legs.\n";
+  if (several)
     text +=
-        "–: the mode cannot be followed to this amplitude, or the harmonic balance does not end.\n";
+        "Several rows of one amplitude: the branch of the mode turns back and passes this "
+        "amplitude several times. The lowest frequency is first.\n";
+  if (lost) text += "–: no branch of this mode has this amplitude.\n";
+  if (!notes.empty()) text += "\nWhere branches end:\n" + notes;
   if (std::ranges::none_of(machine.file.machine.legs, [](const model::Leg& leg) {
         return leg.guide_sleeve.gap || leg.guide_sleeve.elastomer ||
-               (leg.piston_ring && leg.piston_ring->elastomer) || leg.hydraulics.friction.coulomb;
+               (leg.piston_ring && leg.piston_ring->elastomer) || leg.hydraulics.friction.coulomb ||
+               leg.hydraulics.joint_friction.coulomb > 0.0;
       }))
     text +=
         "Nothing in the file depends on the amplitude: no `guide_sleeve.gap`, no `elastomer`, no "
-        "`friction.coulomb`.\n";
+        "`friction.coulomb`, no `joint_friction.coulomb`.\n";
   return text;
 }
 
@@ -100,9 +179,8 @@ void plot_amplitudes(const tasks::Machine& machine, const report::ModesAtAmplitu
   draw(path, [&](const auto& to) {
     report::plot_modes_at_amplitudes(
         modes, machine.file.machine.name,
-        fmt::format("modes over the amplitude, by harmonic balance; pose {}, {} model; machine: {}",
-                    machine.pose.name, dynamics::name(machine.kind),
-                    report::state_text(machine.file)),
+        fmt::format("harmonic balance; pose {}, {} model; machine: {}", machine.pose.name,
+                    dynamics::name(machine.kind), report::state_text(machine.file)),
         to);
   });
 }

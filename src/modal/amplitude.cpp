@@ -1,317 +1,317 @@
-#include "hydrapod/modal/damped_modes.hpp"
+/// The branches of the harmonic balance over the amplitude: docs/theory/amplitude.md.
 
-#include <Eigen/LU>
+#include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <algorithm>
+#include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
-#include "hydrapod/dynamics/linear_model.hpp"
-#include "hydrapod/hydraulics/servo_axis.hpp"
 #include "hydrapod/modal/normal_modes.hpp"
+#include "swinging.hpp"
 
 namespace hydrapod::modal {
 
 namespace {
 
-using dynamics::Relaxing;
-using dynamics::Vector2;
-using dynamics::Vector7;
-using Rows2 = Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, dynamics::max_dof>;
+/// (q/|q|, ω) with ω over some ω_0, or a change of it.
+using Vector = Eigen::VectorXd;
 
-/// Where a leg is not linear, per coordinate y.
-struct LegRows {
-  Rows2 chord{};         ///< offset of the rod's chord at the guide sleeve
-  Rows2 ring{};          ///< offset of the piston
-  ModelVector piston{};  ///< along the case
+/// A point of a branch.
+struct Point {
+  ModelVector q{};  ///< motion in the coordinates of the linear modes
+  double omega{};
+  Vector direction{};  ///< of the branch, a unit vector in (q/|q|, ω/ω) of this point
+  /// Of the step to here: how far it is from an arc between the directions at both ends, over its
+  /// length. Small, of the order of the length squared; larger where it leads to another branch.
+  double kink{};
 };
 
-Rows2 rows_of(const LinearModel& model, int leg,
-              const Eigen::Matrix<double, 2, dynamics::leg_coordinates>& per_x) {
-  Rows2 rows(2, model.dof());
-  for (int k = 0; k < 2; ++k) rows.row(k) = dynamics::per_coordinate(model, leg, per_x.row(k));
-  return rows;
-}
-
-LegRows leg_rows(const LinearModel& model, int i) {
-  const auto& leg = model.legs[static_cast<std::size_t>(i)];
-  Eigen::Matrix<double, 2, dynamics::leg_coordinates> ring;
-  ring.setZero();
-  ring(0, 5) = ring(1, 6) = 1.0;
-  return {.chord = rows_of(model, i, leg.d_x + leg.bending * leg.F_x),
-          .ring = rows_of(model, i, ring),
-          .piston = dynamics::per_coordinate(model, i, leg.s_x)};
-}
-
-/// Stiffness of a seal in series with what bends.
-Eigen::Matrix2d in_series(const Eigen::Matrix2d& seal, double bending) {
-  return (Eigen::Matrix2d::Identity() + bending * seal).inverse() * seal;
-}
-
-/// The guide ring where the rod's chord swings by `chord` and what bends is in series: the seal's
-/// amplitude, taken along the chord's, is a share of it that falls as the ring grows stiffer.
-dynamics::GuideEquivalent guide_behind(const model::GuideSleeve& sleeve, const Vector2& rest,
-                                       const Vector2& chord, double k_s, double bending,
-                                       Vector2& amplitude) {
-  amplitude = chord;
-  if (bending == 0.0) return dynamics::guide_equivalent(sleeve, rest, chord);
-  const double whole = chord.norm();
-  double low = 0.0, high = 1.0;
-  constexpr int halvings = 40;
-  for (int n = 0; n < halvings && whole > 0.0; ++n) {
-    const double share = 0.5 * (low + high);
-    amplitude = share * chord;
-    const auto guide = dynamics::guide_equivalent(sleeve, rest, amplitude);
-    const Vector2 force = k_s * amplitude + guide.stiffness * amplitude;
-    (amplitude.norm() + bending * force.norm() < whole ? low : high) = share;
-  }
-  return dynamics::guide_equivalent(sleeve, rest, amplitude);
-}
-
-/// The linear model with the springs and dampers that stand for its legs at their amplitudes.
-class Swinging {
+/// (K(q, ω) − ω²) q = 0, the harmonic balance of one mode: a curve in (q, ω), whose next point is
+/// found by a step along it, then by Newton's method in the plane across it (Keller, in:
+/// Applications of Bifurcation Theory, 1977).
+class Balance {
  public:
-  Swinging(const model::Machine& machine, const spatial::Pose& X_BP, dynamics::ModelKind kind)
-      : machine_(dynamics::with_pressed_seals(machine, kind, X_BP)),
-        linear_(dynamics::linear_model(machine_, X_BP, kind)),
-        modes_(normal_modes(linear_)) {
-    for (int i = 0; i < model::leg_count; ++i) {
-      rows_[static_cast<std::size_t>(i)] = leg_rows(linear_, i);
-      friction_[static_cast<std::size_t>(i)] = hydraulics::servo_axis(machine, i).friction;
+  Balance(const Swinging& swinging, const AmplitudeOptions& options)
+      : swinging_(swinging), options_(options), shapes_(shapes_to_begin_with(swinging)) {}
+
+  /// The motion most like the mode of the linear model, where springs do not depend on the
+  /// amplitude: at a very small or a very large one. `way`: up (1) or down (-1) from there. Empty
+  /// where there is no balance.
+  [[nodiscard]] std::optional<Point> begin(int mode, double amplitude, double way) const {
+    Point point{.q = shapes_.col(mode), .omega = swinging_.modes().omega(mode)};
+    constexpr int most = 100;
+    for (int k = 0; k < most; ++k) {
+      point.q *= amplitude / swinging_.amplitude(point.q);
+      const ModelMatrix K = swinging_.at(point.q, point.omega).K;
+      point.q = most_like(point.q, K);
+      const double omega2 = point.q.dot(K * point.q) / point.q.squaredNorm();
+      if (!(omega2 > 0.0)) return std::nullopt;
+      const double before = std::exchange(point.omega, std::sqrt(omega2));
+      if (std::abs(point.omega - before) <= options_.tolerance * point.omega) break;
     }
+    point.q *= amplitude / swinging_.amplitude(point.q);
+    point.direction = Vector::Zero(point.q.size() + 1);
+    point.direction.head(point.q.size()) = way * point.q.normalized();
+    return next(point, 0.0);
   }
 
-  [[nodiscard]] const LinearModel& linear() const { return linear_; }
-  [[nodiscard]] const NormalModes& modes() const { return modes_; }
-
-  /// `shape` scaled to the amplitude of the platform joint that moves most.
-  [[nodiscard]] ModelVector scaled(const ModelVector& shape, double amplitude) const {
-    double largest = 0.0;
-    for (const auto& J : linear_.J)
-      largest = std::max(largest, (J * (linear_.against_base * shape)).norm());
-    return shape * (amplitude / largest);
+  /// A step of this length along the direction of `from`. Empty where Newton's method does not
+  /// end.
+  [[nodiscard]] std::optional<Point> next(const Point& from, double length) const {
+    const Eigen::Index n = from.q.size();
+    const double size = from.q.norm(), rate = from.omega;
+    Vector u(n + 1), left(n + 1);
+    u << from.q / size, 1.0;
+    u += length * from.direction;
+    const Vector plane = u;
+    Eigen::MatrixXd A(n + 1, n + 1);
+    A.row(n) = from.direction;
+    for (int k = 0; k < options_.most_iterations && u[n] > 0.0; ++k) {
+      left << residual(u, size, rate, A), from.direction.dot(u - plane);
+      const Vector step = solved(A, left);
+      u -= step;
+      if (!(std::abs(step[n]) <= options_.tolerance * u[n] &&
+            step.head(n).norm() <= std::sqrt(options_.tolerance) * u.head(n).norm()))
+        continue;
+      Point point{.q = size * u.head(n), .omega = rate * u[n]};
+      residual(u, size, rate, A);
+      point.direction = solved(A, Vector::Unit(n + 1, n)).normalized();
+      if (length > 0.0)
+        point.kink = ((u - plane) / length - 0.5 * (point.direction - from.direction)).norm();
+      point.direction.head(n) /= u.head(n).norm();
+      point.direction[n] /= u[n];
+      point.direction.normalize();
+      return point;
+    }
+    return std::nullopt;
   }
 
-  /// The model at the motion `y` and ω; what is said of the legs into `point`.
-  LinearModel at(const ModelVector& y, double omega, ModeAtAmplitude& point) const {
-    LinearModel model = linear_;
-    point.sleeve = point.piston = 0.0;
-    point.legs_on_guide = 0;
-    std::array<double, model::leg_count> of_sleeve, of_ring;  // what softening leaves
-    for (int i = 0; i < model::leg_count; ++i) {
-      const auto k = static_cast<std::size_t>(i);
-      add_sleeve(i, y, of_sleeve[k], point, model);
-      add_ring(i, y, of_ring[k], model);
-      add_friction(i, y, omega, point, model);
-    }
-    for (const auto& arm : linear_.arms) {
-      const auto k = static_cast<std::size_t>(arm.leg);
-      const double left = arm.what == Relaxing::sleeve ? of_sleeve[k]
-                          : arm.what == Relaxing::ring ? of_ring[k]
-                                                       : 1.0;
-      model.K -= left * softening_at(arm, omega) * arm.s_y * arm.s_y.transpose();
-      model.C += left * damper_at(arm, omega) * arm.s_y * arm.s_y.transpose();
-    }
-    return model;
-  }
-
-  /// ζ of a shape at ω.
-  [[nodiscard]] double damping_ratio(const LinearModel& model, const ModelVector& phi,
-                                     double omega) const {
-    return model::modal_ratio(machine_).value + phi.dot(model.C * phi) / (2.0 * omega);
+  /// Change of the amplitude along the branch [m per q].
+  [[nodiscard]] double slope(const Point& at) const {
+    return swinging_.amplitude_gradient(at.q).dot(at.direction.head(at.q.size()));
   }
 
  private:
-  /// Guide ring and softened seal in place of what the linear model has.
-  void add_sleeve(int i, const ModelVector& y, double& left, ModeAtAmplitude& point,
-                  LinearModel& model) const {
-    left = 1.0;
-    if (linear_.kind == dynamics::ModelKind::rigid) return;
-    const auto k = static_cast<std::size_t>(i);
-    const auto& leg = linear_.legs[k];
-    const auto& sleeve = machine_.legs[k].guide_sleeve;
-    Vector2 amplitude;
-    const auto guide = guide_behind(sleeve, leg.sleeve_offset, rows_[k].chord * y, leg.k_s,
-                                    leg.bending, amplitude);
-    point.sleeve = std::max(point.sleeve, amplitude.norm());
-    if (sleeve.elastomer) left = dynamics::softened(*sleeve.elastomer, amplitude.norm());
-    if (guide.touches) ++point.legs_on_guide;
-    if (!sleeve.gap && left == 1.0) return;
-    const Eigen::Matrix2d one = Eigen::Matrix2d::Identity();
-    const Eigen::Matrix2d before =
-        (leg.k_s + leg.k_contact) * one + leg.contact_root * leg.contact_root.transpose();
-    const Eigen::Matrix2d now = left * leg.k_s * one + guide.stiffness;
-    const Eigen::Matrix2d change = in_series(now, leg.bending) - in_series(before, leg.bending);
-    model.K += rows_[k].chord.transpose() * change * rows_[k].chord;
+  /// The mode of K most like q, with those that hardly differ in frequency: any combination of
+  /// these is a mode.
+  static ModelVector most_like(const ModelVector& q, const ModelMatrix& K) {
+    constexpr double together = 1e-9;  // of ω²
+    const Eigen::SelfAdjointEigenSolver<ModelMatrix> modes(K);
+    const ModelVector parts = modes.eigenvectors().transpose() * q;
+    Eigen::Index best = 0;
+    parts.cwiseAbs().maxCoeff(&best);
+    const double omega2 = modes.eigenvalues()[best];
+    ModelVector sum = ModelVector::Zero(q.size());
+    for (Eigen::Index k = 0; k < parts.size(); ++k)
+      if (std::abs(modes.eigenvalues()[k] - omega2) <= together * std::abs(omega2))
+        sum += parts[k] * modes.eigenvectors().col(k);
+    return sum;
   }
 
-  void add_ring(int i, const ModelVector& y, double& left, LinearModel& model) const {
-    left = 1.0;
-    if (linear_.kind != dynamics::ModelKind::full) return;
-    const auto k = static_cast<std::size_t>(i);
-    const auto& ring = *machine_.legs[k].piston_ring;
-    if (!ring.elastomer) return;
-    const Vector2 amplitude = rows_[k].ring * y;
-    left = dynamics::softened(*ring.elastomer, amplitude.norm());
-    model.K -= (1.0 - left) * linear_.legs[k].k_g * rows_[k].ring.transpose() * rows_[k].ring;
+  /// Where modes repeat A is singular: any combination of them is balanced, and none is sought.
+  static Vector solved(const Eigen::MatrixXd& A, const Vector& right) {
+    constexpr double singular = 1e-8;  // of ω²; balances are exact to 1e-12
+    const Vector unit = A.diagonal().cwiseAbs().cwiseMax(1.0).cwiseInverse();  // stiff seals
+    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> factors;
+    factors.setThreshold(singular);
+    return factors.compute(unit.asDiagonal() * A).solve(unit.cwiseProduct(right));
   }
 
-  void add_friction(int i, const ModelVector& y, double omega, ModeAtAmplitude& point,
-                    LinearModel& model) const {
-    const auto k = static_cast<std::size_t>(i);
-    const auto& friction = friction_[k];
-    const double amplitude = std::abs(rows_[k].piston.dot(y));
-    point.piston = std::max(point.piston, amplitude);
-    // A motion of less than atoms: the limit of bristles that only stick.
-    constexpr double least = 1e-12;
-    if (friction.breakaway == 0.0) return;
-    const auto equivalent =
-        hydraulics::friction_equivalent(friction, std::max(amplitude, least), omega);
-    model.K += equivalent.stiffness * rows_[k].piston * rows_[k].piston.transpose();
-    model.C += equivalent.damping * rows_[k].piston * rows_[k].piston.transpose();
-  }
-
-  model::Machine machine_;
-  LinearModel linear_;
-  NormalModes modes_;
-  std::array<LegRows, model::leg_count> rows_{};
-  std::array<hydraulics::Friction, model::leg_count> friction_{};
-};
-
-/// What of a motion vibrates as one.
-struct Vibration {
-  ModelVector shape{};  ///< φᵀ M φ = 1
-  double omega2{};
-};
-
-/// The mode most like the motion `y`, with those that hardly differ in frequency: any combination
-/// of these vibrates nearly as one, and which of them is a mode is decided by next to nothing.
-Vibration vibration_in(const NormalModes& modes, const ModelMatrix& M, const ModelMatrix& K,
-                       const ModelVector& y) {
-  constexpr double together = 1e-3;  // of ω²
-  const ModelVector momentum = M * y;
-  const ModelVector parts = modes.shapes.transpose() * momentum;
-  Eigen::Index best = 0;
-  parts.cwiseAbs().maxCoeff(&best);
-  ModelVector shape = ModelVector::Zero(y.size());
-  for (Eigen::Index k = 0; k < parts.size(); ++k)
-    if (std::abs(modes.omega2[k] - modes.omega2[best]) <= together * std::abs(modes.omega2[best]))
-      shape += parts[k] * modes.shapes.col(k);
-  const double size = shape.dot(M * shape);
-  Vibration result{.shape = shape / std::sqrt(size)};
-  result.omega2 = result.shape.dot(K * result.shape);
-  return result;
-}
-
-/// One mode on its way from amplitude to amplitude.
-class Follower {
- public:
-  Follower(const Swinging& swinging, const AmplitudeOptions& options, int mode)
-      : swinging_(swinging),
-        options_(options),
-        first_(swinging.modes().shapes.col(mode)),
-        y_(first_),
-        omega_(swinging.modes().omega(mode)) {}
-
-  /// Begins at a small amplitude. 0 where there is no balance, else ω there.
-  double begin(double amplitude) {
-    ModeAtAmplitude point;
-    return step_to(amplitude, point) ? omega_ : 0.0;
-  }
-
-  /// To the amplitude of `point`. False where the mode is lost or the iteration does not end. The
-  /// steps are as long as the shape stays like that of the step before.
-  bool to(ModeAtAmplitude& point) {
-    const double wanted = point.amplitude;
-    constexpr double shortest = 1.003;  // ratio of two amplitudes
-    double ratio = options_.largest_ratio;
-    while (amplitude_ < wanted) {
-      if (step_to(std::min(amplitude_ * ratio, wanted), point)) {
-        ratio = std::min(ratio * ratio, options_.largest_ratio);
-      } else if (ratio = std::sqrt(ratio); ratio < shortest) {
-        return false;
-      }
-    }
-    return true;
-  }
-
- private:
-  /// True where the balance at `amplitude` has a shape like the present one; else nothing changes.
-  bool step_to(double amplitude, ModeAtAmplitude& point) {
-    const auto& M = swinging_.linear().M;
-    const ModelVector before = y_;
-    const double omega = omega_, from = std::exchange(amplitude_, amplitude);
-    if (balance(point)) {
-      const ModelVector momentum = M * before;
-      const double mac = std::pow(point.shape.dot(momentum), 2) / before.dot(momentum);
-      if (mac >= options_.least_mac) return true;
-    }
-    y_ = before;
-    omega_ = omega;
-    amplitude_ = from;
-    return false;
-  }
-
-  /// Fixed point y = the mode at y, scaled, by Anderson's acceleration (Walker & Ni, SIAM J. Numer.
-  /// Anal. 49 (2011) 1715): near the edge of a gap the change itself would jump to and fro.
-  bool balance(ModeAtAmplitude& point) {
-    const auto& M = swinging_.linear().M;
-    constexpr double share = 0.3;  // of the residual
-    constexpr Eigen::Index memory = 6;
-    const Eigen::VectorXd weight = M.diagonal().cwiseSqrt();
-    Eigen::MatrixXd dy(y_.size(), 0), dr(y_.size(), 0);
-    Eigen::VectorXd y_before, r_before;
-    y_ = swinging_.scaled(y_, amplitude_);
-    for (int k = 0; k < options_.most_iterations; ++k) {
-      const auto model = swinging_.at(y_, omega_, point);
-      const auto modes = normal_modes(model);
-      const auto found = vibration_in(modes, M, model.K, y_);
-      if (!(found.omega2 > 0.0)) return false;
-      const double omega = std::sqrt(found.omega2), change = std::abs(omega - omega_);
-      omega_ = omega;
-      const ModelVector residual = swinging_.scaled(found.shape, amplitude_) - y_;
-      const double size = y_.dot(M * y_), left = residual.dot(M * residual);
-      if (change <= options_.tolerance * omega_ && left <= options_.tolerance * size) {
-        finish(model, found.shape, point);
-        return true;
-      }
-      const Eigen::VectorXd y = weight.cwiseProduct(Eigen::VectorXd(y_));
-      const Eigen::VectorXd r = weight.cwiseProduct(Eigen::VectorXd(residual));
-      if (k > 0) {
-        append(y - y_before, memory, dy);
-        append(r - r_before, memory, dr);
-      }
-      y_before = y;
-      r_before = r;
-      Eigen::VectorXd next = y + share * r;
-      if (dr.cols() > 0) next -= (dy + share * dr) * dr.colPivHouseholderQr().solve(r);
-      y_ = next.cwiseQuotient(weight);
-    }
-    return false;
-  }
-
-  /// `column` as the last of at most `most`.
-  static void append(const Eigen::VectorXd& column, Eigen::Index most, Eigen::MatrixXd& columns) {
-    if (columns.cols() == most) columns = columns.rightCols(most - 1).eval();
-    columns.conservativeResize(Eigen::NoChange, columns.cols() + 1);
-    columns.rightCols<1>() = column;
-  }
-
-  void finish(const LinearModel& model, const ModelVector& shape, ModeAtAmplitude& point) const {
-    const auto& M = swinging_.linear().M;
-    point.shape = shape;
-    point.omega = omega_;
-    point.damping_ratio = swinging_.damping_ratio(model, shape, omega_);
-    point.mac = std::pow(first_.dot(M * shape), 2) / shape.dot(M * shape);
-    point.converged = true;
+  /// (K − ω²) q over |q| ω_0² at u, and its derivatives into the first rows of A. `size`: |q| of
+  /// the unit of u, `rate`: ω_0.
+  Vector residual(const Vector& u, double size, double rate, Eigen::MatrixXd& A) const {
+    const Eigen::Index n = u.size() - 1;
+    const ModelVector q = size * u.head(n);
+    const double omega = rate * u[n], unit = 1.0 / (rate * rate);
+    const ModelMatrix K = swinging_.at(q, omega).K;
+    A.topLeftCorner(n, n) = unit * swinging_.tangent(K, q, omega);
+    A.diagonal().head(n).array() -= u[n] * u[n];
+    constexpr double step = 1e-6;  // of ω, on which friction and elastomers depend smoothly
+    const ModelMatrix change = swinging_.at(q, omega * (1.0 + step)).K - K;
+    A.col(n).head(n) = unit * (change * u.head(n)) / (step * u[n]) - 2.0 * u[n] * u.head(n);
+    return unit * (K * u.head(n)) - u[n] * u[n] * u.head(n);
   }
 
   const Swinging& swinging_;
   const AmplitudeOptions& options_;
-  ModelVector first_, y_;
-  double omega_, amplitude_{};
+  ModelMatrix shapes_{};
 };
+
+/// Follows the branch of one mode and notes its points at the amplitudes.
+class Follower {
+ public:
+  Follower(const Swinging& swinging, const AmplitudeOptions& options,
+           std::span<const double> amplitudes, AmplitudeCurve& curve)
+      : swinging_(swinging),
+        options_(options),
+        balance_(swinging, options),
+        amplitudes_(amplitudes),
+        curve_(curve) {
+    for (const double amplitude : amplitudes) curve.points.push_back({.amplitude = amplitude});
+  }
+
+  /// From the balance of the curve's mode at `start`, up (`way` 1) or down (-1).
+  void follow(double start, double way) {
+    auto at = balance_.begin(curve_.mode, start, way);
+    if (!at) {
+      curve_.end = BranchEnd::stopped;
+      return;
+    }
+    curve_.omega = at->omega;
+    double length = options_.longest_step;
+    for (int k = 0; k < options_.most_steps; ++k) {
+      auto next = step(*at, length);
+      if (!next) return end(*at, BranchEnd::stopped);
+      if (platform_excess(*next) < 0.0) return end_at_local(*at, length);
+      note_between(*at, length, *next);
+      constexpr double longer = 1.5;  // where the last step was taken
+      length = std::min(longer * length, options_.longest_step);
+      at = std::move(next);
+      const double amplitude = swinging_.amplitude(at->q);
+      const bool grows = balance_.slope(*at) > 0.0;
+      if (grows ? amplitude > options_.beyond * amplitudes_.back()
+                : amplitude * options_.beyond < amplitudes_.front())
+        return end(*at, grows == (way > 0.0) ? BranchEnd::beyond : BranchEnd::turned);
+    }
+    end(*at, BranchEnd::most_steps);
+  }
+
+ private:
+  /// The step along the branch; `length` becomes shorter where needed.
+  std::optional<Point> step(const Point& from, double& length) const {
+    for (; length >= options_.shortest_step; length *= 0.5)
+      if (auto to = balance_.next(from, length);
+          to && to->direction.dot(from.direction) >= options_.least_cosine &&
+          to->kink <= options_.largest_kink)
+        return to;
+    return std::nullopt;
+  }
+
+  /// The point of the branch between `from` and a step `length` at which `value` changes its sign.
+  template <class Value>
+  std::optional<std::pair<double, Point>> between(const Point& from, double low, double high,
+                                                  const Value& value) const {
+    std::optional<Point> found;
+    const auto at = [&](double length) {
+      found = balance_.next(from, length);
+      return found ? value(*found) : 0.0;
+    };
+    const double at_low = at(low), at_high = at(high);
+    if (at_low == 0.0 || at_high == 0.0 || (at_low > 0.0) == (at_high > 0.0)) return std::nullopt;
+    constexpr int digits = 40;  // of 53 bits
+    std::uintmax_t most = 60;
+    const auto ends = boost::math::tools::toms748_solve(
+        at, low, high, at_low, at_high, boost::math::tools::eps_tolerance<double>(digits), most);
+    const double length = 0.5 * (ends.first + ends.second);
+    found = balance_.next(from, length);
+    if (!found) return std::nullopt;
+    return std::pair(length, *found);
+  }
+
+  /// What the step from `from` to `to` passes: a turn of the amplitude, and amplitudes asked for.
+  void note_between(const Point& from, double length, const Point& to) {
+    const bool grows = balance_.slope(from) > 0.0;
+    if (grows == (balance_.slope(to) > 0.0)) return note_amplitudes(from, 0.0, from, length, to);
+    const auto turn =
+        between(from, 0.0, length, [&](const Point& at) { return balance_.slope(at); });
+    if (!turn) return note_amplitudes(from, 0.0, from, length, to);
+    note_amplitudes(from, 0.0, from, turn->first, turn->second);
+    curve_.turning.push_back(described(turn->second));
+    ++turns_;
+    note_amplitudes(from, turn->first, turn->second, length, to);
+  }
+
+  /// The amplitudes between a step `low` and a step `high` along `from`.
+  void note_amplitudes(const Point& from, double low, const Point& at_low, double high,
+                       const Point& at_high) {
+    const double first = swinging_.amplitude(at_low.q), last = swinging_.amplitude(at_high.q);
+    const auto note = [&](std::size_t k) {
+      const double wanted = amplitudes_[k];
+      if (!(std::min(first, last) < wanted && wanted <= std::max(first, last))) return;
+      const auto found = between(
+          from, low, high, [&](const Point& at) { return swinging_.amplitude(at.q) - wanted; });
+      auto point = described(found ? found->second : at_high);
+      if (!found && std::abs(last - wanted) > 1e-9 * wanted) return;
+      point.amplitude = wanted;
+      (curve_.points[k].converged ? curve_.further.emplace_back() : curve_.points[k]) =
+          std::move(point);
+    };
+    for (std::size_t k = 0; k < amplitudes_.size(); ++k)
+      note(last > first ? k : amplitudes_.size() - 1 - k);
+  }
+
+  [[nodiscard]] double platform_excess(const Point& at) const {
+    return swinging_.platform_share(at.q) - options_.least_platform;
+  }
+
+  /// The platform has its least share within the step from `from`, or before it.
+  void end_at_local(const Point& from, double length) {
+    const auto last =
+        between(from, 0.0, length, [&](const Point& at) { return platform_excess(at); });
+    if (last) note_between(from, last->first, last->second);
+    end(last ? last->second : from, BranchEnd::local);
+  }
+
+  ModeAtAmplitude described(const Point& at) const {
+    auto point = swinging_.described(at.q, at.omega);
+    point.mac = std::pow(at.q[curve_.mode], 2) / at.q.squaredNorm();
+    point.turns = turns_;
+    return point;
+  }
+
+  void end(const Point& at, BranchEnd why) {
+    curve_.end = why;
+    curve_.last = described(at);
+  }
+
+  const Swinging& swinging_;
+  const AmplitudeOptions& options_;
+  Balance balance_;
+  std::span<const double> amplitudes_;
+  AmplitudeCurve& curve_;
+  int turns_{};
+};
+
+std::vector<const ModeAtAmplitude*> solutions(const AmplitudeCurve& curve) {
+  std::vector<const ModeAtAmplitude*> found;
+  for (const auto& point : curve.points)
+    if (point.converged) found.push_back(&point);
+  for (const auto& point : curve.further) found.push_back(&point);
+  return found;
+}
+
+/// Whether all solutions of `one`, of which it has some, are on `other`.
+bool is_part_of(const ModelMatrix& M, const AmplitudeCurve& one, const AmplitudeCurve& other) {
+  constexpr double same_omega = 1e-7, same_shape = 0.999;  // far more than balances differ
+  const auto points = solutions(one), others = solutions(other);
+  return !points.empty() && std::ranges::all_of(points, [&](const auto* a) {
+    return std::ranges::any_of(others, [&](const auto* b) {
+      return a->amplitude == b->amplitude &&
+             std::abs(a->omega - b->omega) < same_omega * b->omega &&
+             std::abs(a->shape.dot(M * b->shape)) > same_shape;
+    });
+  });
+}
+
+/// Two linear modes may begin on one branch, and long swings may lead to that of small motions:
+/// it stays where it has more, or where it is more like the mode.
+void leave_out_repeated(const ModelMatrix& M, std::vector<AmplitudeCurve>& curves) {
+  const auto likeness = [](const AmplitudeCurve& curve) {
+    const auto points = solutions(curve);
+    return std::pair(points.size(), points.empty() ? 0.0 : points.front()->mac);
+  };
+  for (std::size_t k = curves.size(); k-- > 0;) {
+    const auto& one = curves[k];
+    const bool useless = one.from_long_swings && solutions(one).empty();
+    const bool repeated = std::ranges::any_of(curves, [&](const AmplitudeCurve& other) {
+      return &other != &one && likeness(one) <= likeness(other) && is_part_of(M, one, other);
+    });
+    if (useless || repeated) curves.erase(curves.begin() + static_cast<std::ptrdiff_t>(k));
+  }
+}
 
 }  // namespace
 
@@ -323,26 +323,27 @@ std::vector<AmplitudeCurve> modes_at_amplitudes(const model::Machine& machine,
       std::ranges::adjacent_find(amplitudes, std::greater_equal{}) != amplitudes.end())
     throw std::invalid_argument("amplitudes must be above 0 and ascend");
   const Swinging swinging(machine, X_BP, kind);
-  const auto& linear = swinging.linear();
   const auto& modes = swinging.modes();
-  const auto shares = energy_shares(linear, modes.shapes);
-  constexpr double small = 1e-3;  // of the first amplitude: where the way begins
+  const auto shares = energy_shares(swinging.linear(), modes.shapes);
+  constexpr double small = 1e-3, long_swings = 1e5;  // of the first and the last amplitude
   std::vector<AmplitudeCurve> curves;
+  const auto add = [&](AmplitudeCurve curve, double start, double way) {
+    Follower(swinging, options, amplitudes, curve).follow(start, way);
+    curves.push_back(std::move(curve));
+  };
   for (int k = 0; k < modes.size(); ++k) {
     const auto& energy = shares[static_cast<std::size_t>(k)];
     if (energy.platform.sum() < options.least_platform || !(modes.omega2[k] > 0.0)) continue;
-    Follower follower(swinging, options, k);
-    AmplitudeCurve curve{.mode = k, .omega = follower.begin(small * amplitudes.front())};
+    AmplitudeCurve curve{.mode = k};
     energy.platform.maxCoeff(&curve.direction);
-    for (const double amplitude : amplitudes) {
-      ModeAtAmplitude point{.amplitude = amplitude};
-      const bool found = curve.omega > 0.0 && follower.to(point);
-      if (!found) point = {.amplitude = amplitude};
-      curve.points.push_back(point);
-      if (!found) break;
-    }
-    curves.push_back(std::move(curve));
+    add(curve, small * amplitudes.front(), 1.0);
   }
+  const std::size_t count = curves.size();
+  for (std::size_t k = 0; k < count; ++k)
+    if (curves[k].end != BranchEnd::beyond)
+      add({.mode = curves[k].mode, .direction = curves[k].direction, .from_long_swings = true},
+          long_swings * amplitudes.back(), -1.0);
+  leave_out_repeated(swinging.linear().M, curves);
   return curves;
 }
 

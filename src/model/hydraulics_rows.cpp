@@ -81,6 +81,10 @@ constexpr ParameterRow leg_hydraulics_rows[]{
     number<hydraulics, joint_friction, &JointFriction::smoothing_rate>(
         "legs.joint_friction.smoothing_rate", "rad/s", standard, positive,
         "of the same law as at the seals"),
+    number<hydraulics, joint_friction, &JointFriction::bristle_stiffness>(
+        "legs.joint_friction.bristle_stiffness", "N m/rad", otherwise("the smooth law"), positive,
+        "σ_0; `modes --amplitude` then uses the law of LuGre, simulations do not",
+        shown("500 kN m/rad")),
     simulation("legs.end_stops", "at the ends of the stroke"),
     number<hydraulics, &LegHydraulics::end_stops, &EndStops::stiffness>(
         "legs.end_stops.stiffness", "N/m", otherwise("20 times the oil spring"), positive,

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "hydrapod/report/model_results.hpp"
@@ -50,6 +51,58 @@ TEST(ModesAtAmplitudes, MeetTheGuideRing) {
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.out, HasSubstr("mode,direction,amplitude_m,frequency_hz"));
   EXPECT_THAT(run.out, HasSubstr(",6\n"));  // all rods lie on their guides
+}
+
+/// With a gap just above the static offset of 3.4 mm the branches of x and y turn back.
+TEST(ModesAtAmplitudes, SayWhereTheBranchTurnsBackAndHaveAllItsSolutions) {
+  const std::vector<std::string> words{"--amplitude", "0.1 mm:5 mm:5", "--set",
+                                       "legs.guide_sleeve.gap=3.6 mm"};
+  auto as_json = words;
+  as_json.insert(as_json.end(), {"--format", "json"});
+  const auto run = amplitudes(as_json);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto json = report::Json::parse(run.out);
+  const auto& x = json["curves"][0];
+  EXPECT_EQ(x["end"], "local");
+  EXPECT_FALSE(x["further"].empty());
+  EXPECT_GT(x["turning_points"][0]["amplitude_m"], 1e-4);
+  EXPECT_LT(x["turning_points"][0]["amplitude_m"], 5e-3);
+  EXPECT_FALSE(x["points"][4]["converged"].get<bool>());
+  // Long swings are on another branch of the same mode.
+  const auto second = std::ranges::find_if(json["curves"], [&](const report::Json& curve) {
+    return curve["mode"] == x["mode"] && curve["from_long_swings"].get<bool>();
+  });
+  ASSERT_NE(second, json["curves"].end());
+  EXPECT_TRUE((*second)["points"][4]["converged"].get<bool>());
+  const auto again =
+      report::modes_at_amplitudes_json(report::modes_at_amplitudes_from_json(json, "run"));
+  EXPECT_EQ(again["curves"], json["curves"]);
+  const auto table = amplitudes(words);
+  EXPECT_THAT(table.out, HasSubstr("Several rows of one amplitude"));
+  EXPECT_THAT(table.out, HasSubstr("Where branches end:"));
+  EXPECT_THAT(table.out, HasSubstr("turns back at "));
+  EXPECT_THAT(table.out, HasSubstr("x, from long swings"));
+}
+
+/// Joints that stick hold the rods upright: the highest x mode of small swings is that of rigid
+/// legs, 6.11 Hz and more.
+TEST(ModesAtAmplitudes, HaveTheFrictionOfJoints) {
+  const auto x_of = [](const std::string& more) {
+    const auto run = amplitudes({"--amplitude", "0.001 mm", "--format", "json", "--set",
+                                 "legs.joint_friction.coulomb=40 N m", "--set", more});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    std::vector<double> found;
+    const auto json = report::Json::parse(run.out);
+    for (const auto& curve : json["curves"])
+      for (const auto& point : curve["points"])
+        if (curve["direction"] == "x" && point["converged"].get<bool>())
+          found.push_back(point["frequency_hz"].get<double>());
+    return found;
+  };
+  const auto sticking = x_of("legs.joint_friction.bristle_stiffness=300 kN m/rad");
+  ASSERT_EQ(sticking.size(), 1U);
+  EXPECT_NEAR(sticking[0], 6.19, 0.02);
+  EXPECT_EQ(x_of("legs.joint_friction.smoothing_rate=0.01").size(), 2U);
 }
 
 TEST(ModesAtAmplitudes, WrongUseIsRefused) {

@@ -5,8 +5,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
+#include <vector>
 
 namespace hydrapod::test {
 namespace {
@@ -67,6 +70,43 @@ TEST(GuideEquivalent, SwingsAboutWhereTheMeanForceCarriesTheLoad) {
     mean += force(found.mean + std::cos(2.0 * pi * (k + 0.5) / points) * amplitude) / points;
   EXPECT_LT((mean - force(rest)).norm(), 0.01 * force(rest).norm());
   EXPECT_GT((found.mean - rest).norm(), 1e-5);
+}
+
+/// A mass on a seal and a guide ring, loaded so that it lies on the ring at rest: the sharp dead
+/// zone with a bias in closed form (Gelb & Vander Velde, as above). Its frequency falls while the
+/// mass leaves the ring, and rises again when it strikes the other side: the backbone turns back.
+TEST(GuideEquivalent, OfABiasedDeadZoneHasABackboneThatTurnsBack) {
+  const model::GuideSleeve sleeve{.stiffness = 2.1e6, .gap = 1.9e-4, .guide_stiffness = 4.3e7};
+  const double k_s = sleeve.stiffness, g = *sleeve.gap, k_c = sleeve.guide_stiffness;
+  // Of max(0, cos θ − q): its mean, and its part along cos θ.
+  const auto mean_of = [](double q) {
+    return q >= 1.0 ? 0.0 : q <= -1.0 ? -q : (std::sqrt(1.0 - q * q) - q * std::acos(q)) / pi;
+  };
+  const auto part_of = [](double q) {
+    return q >= 1.0 ? 0.0 : q <= -1.0 ? 1.0 : (std::acos(q) - q * std::sqrt(1.0 - q * q)) / pi;
+  };
+  const double rest = 2.3e-4, load = k_s * rest + k_c * (rest - g);
+  std::vector<double> stiffness;
+  for (const double A : {1e-5, 1.3e-4, 2.1e-4, 3.3e-4, 9.1e-4, 7.7e-3}) {
+    double low = 0.0, high = rest;  // of the mean offset
+    for (int k = 0; k < 80; ++k) {
+      const double m = 0.5 * (low + high);
+      const double force = k_s * m + k_c * A * (mean_of((g - m) / A) - mean_of((g + m) / A));
+      (force < load ? low : high) = m;
+    }
+    const double sharp = k_s + k_c * (part_of((g - low) / A) + part_of((g + low) / A));
+    const auto found = dynamics::guide_equivalent(sleeve, Vector2(rest, 0.0), Vector2(A, 0.0));
+    stiffness.push_back(k_s + found.stiffness(0, 0));
+    // The corner is rounded over a tenth of the gap.
+    EXPECT_NEAR(stiffness.back(), sharp, 0.01 * sharp) << A;
+    EXPECT_NEAR(found.mean.x(), low, 0.01 * rest) << A;
+  }
+  EXPECT_NEAR(stiffness.front(), k_s + k_c, 1e-6 * k_c);
+  const auto least = std::ranges::min_element(stiffness);
+  EXPECT_LT(*least, 0.5 * stiffness.front());
+  EXPECT_GT(stiffness.back(), 1.5 * *least);
+  EXPECT_TRUE(std::ranges::is_sorted(stiffness.begin(), least + 1, std::greater{}));
+  EXPECT_TRUE(std::ranges::is_sorted(least, stiffness.end()));
 }
 
 hydraulics::Friction bristles(double sigma, double coulomb) {

@@ -2,7 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
+#include <complex>
+#include <numbers>
 
 #include "hydrapod/modal/damped_modes.hpp"
 #include "support/symmetric_machine.hpp"
@@ -145,6 +149,150 @@ TEST(ModesAtAmplitudes, SoftenWithElastomersThatAmplitudesSoften) {
   EXPECT_GT(whole, 1e-5 * limit);
   EXPECT_GT(lowest.points[0].omega, lowest.points[1].omega);
   EXPECT_NEAR(lowest.points[2].omega, limit, 0.01 * whole);
+}
+
+/// Rods that bend, elastomers that soften and guide rings at once. Every point is put into the
+/// complex balance, set up without springs and arms in series: per leg (δ-stiffness in series with
+/// f) times the chord's offset, the ring's part at ω by a sum over the period.
+TEST(ModesAtAmplitudes, AreComplexBalancesWhereRodsBendAndElastomersSoften) {
+  constexpr double pi = std::numbers::pi;
+  auto machine = symmetric_machine();
+  machine.damping.modal_ratio = 0.013;
+  for (auto& leg : machine.legs) {
+    leg.bending = model::LegBending::elastic;
+    leg.rod.diameter = 0.023;
+    leg.rod.wall = 0.007;
+    leg.cylinder_case.diameter = 0.041;
+    leg.cylinder_case.wall = 0.003;
+    leg.guide_sleeve.stiffness = 4.7e6;
+    leg.guide_sleeve.gap = 1.9e-5;
+    leg.guide_sleeve.guide_stiffness = 3.3e7;
+    leg.guide_sleeve.elastomer = {.dynamic_ratio = 1.7,
+                                  .loss_factor = 0.23,
+                                  .frequency = 11.3,
+                                  .softening = 0.43,
+                                  .softening_amplitude = 1.1e-5};
+  }
+  const auto& sleeve = machine.legs[0].guide_sleeve;
+  const auto linear = dynamics::linear_model(machine, machine.neutral(), ModelKind::guide);
+  const auto arms = dynamics::seal_arms(sleeve.stiffness, *sleeve.elastomer);
+  const double f = linear.legs[0].bending;
+  ASSERT_GT(f * sleeve.stiffness, 0.01);
+  const auto in_series = [&](std::complex<double> k) { return k / (1.0 + f * k); };
+  // Of the ring at the amplitude A of the seal: the ramp k_c h(|d| − g), rounded over g/10.
+  const auto ring = [&](double A) {
+    const double g = *sleeve.gap, w = 0.1 * g;
+    const auto h = [&](double x) {
+      const double t = x / w;
+      return t <= -1.0 ? 0.0 : t >= 1.0 ? x : w * std::pow(t + 1.0, 3) * (3.0 - t) / 16.0;
+    };
+    constexpr int points = 20000;
+    double sum = 0.0;
+    for (int k = 0; k < points; ++k) {
+      const double c = std::cos(2.0 * pi * (k + 0.5) / points);
+      sum += std::copysign(sleeve.guide_stiffness * h(A * std::abs(c) - g), c) * c;
+    }
+    return 2.0 * sum / (points * A);
+  };
+  int softened = 0, on_guide = 0, turned = 0;
+  for (const auto& curve : curves_of(machine, {1.3e-6, 1.7e-4, 1.1e-3, 4.7e-3})) {
+    auto points = curve.points;
+    points.insert(points.end(), curve.further.begin(), curve.further.end());
+    for (const auto& point : points) {
+      if (!point.converged) continue;
+      double largest = 0.0;
+      for (const auto& J : linear.J)
+        largest = std::max(largest, (J * linear.against_base * point.shape).norm());
+      const dynamics::ModelVector y = point.shape * (point.amplitude / largest);
+      Eigen::VectorXcd force = (dynamics::slow_stiffness(linear) * y).cast<std::complex<double>>();
+      double largest_seal = 0.0;
+      for (int i = 0; i < model::leg_count; ++i) {
+        const auto& leg = linear.legs[static_cast<std::size_t>(i)];
+        Eigen::MatrixXd rows(2, linear.dof());
+        for (int k : {0, 1})
+          rows.row(k) = dynamics::per_coordinate(
+              linear, i, leg.d_x.row(k).transpose() + f * leg.F_x.row(k).transpose());
+        const Eigen::VectorXd chord = rows * y;
+        std::complex<double> seal = sleeve.stiffness;
+        for (const auto& arm : arms)
+          seal += arm.stiffness * std::complex<double>(0.0, point.omega) /
+                  std::complex<double>(arm.rate, point.omega);
+        // The amplitude of the seal by halving: it grows with that of the chord.
+        double low = 0.0, high = chord.norm();
+        std::complex<double> k;
+        for (int n = 0; n < 60; ++n) {
+          const double A = 0.5 * (low + high);
+          const double r = std::pow(A / 1.1e-5, 1.2);
+          k = seal * (1.0 - 0.43 * r / (1.0 + r)) + ring(A);
+          (A * std::abs(1.0 + f * k) < chord.norm() ? low : high) = A;
+        }
+        largest_seal = std::max(largest_seal, low);
+        force += rows.transpose() * (in_series(k) - in_series(sleeve.stiffness)) * chord;
+      }
+      const Eigen::VectorXd balance = force.real() - point.omega * point.omega * linear.M * y;
+      EXPECT_LT(balance.norm(), 1e-7 * force.norm()) << curve.mode << " at " << point.amplitude;
+      const double loss =
+          y.dot(force.imag()) / (2.0 * point.omega * point.omega * y.dot(linear.M * y));
+      EXPECT_NEAR(point.damping_ratio, 0.013 + loss, 1e-8);
+      EXPECT_NEAR(point.sleeve, largest_seal, 1e-6 * largest_seal);
+      softened += largest_seal > 2e-6;
+      on_guide += point.legs_on_guide > 0;
+      turned += point.turns > 0;
+    }
+  }
+  EXPECT_GT(softened, 6);
+  EXPECT_GT(on_guide, 5);
+  RecordProperty("points on turned branches", turned);
+}
+
+/// Bristles of joints that stick are springs between the leg's axis and base and platform: with
+/// rigid legs their energy follows from the directions of the legs alone.
+TEST(ModesAtAmplitudes, HaveTheBristlesOfJointsAsSpringsOfTheirTurning) {
+  auto machine = symmetric_machine();
+  machine.damping.modal_ratio = 0.0;
+  constexpr double sigma = 2.3e5, coulomb = 37.0;
+  for (auto& leg : machine.legs)
+    leg.hydraulics.joint_friction = {.coulomb = coulomb, .bristle_stiffness = sigma};
+  const auto& X_BP = machine.neutral();
+  auto stuck = dynamics::linear_model(machine, X_BP, ModelKind::rigid);
+  const spatial::Vector3 C = X_BP.p_BP + X_BP.R_BP * machine.platform.mass_center;
+  for (const auto& leg : machine.legs) {
+    // Directions of the leg in the base and in the platform, by central differences.
+    Eigen::Matrix<double, 6, 6> per;
+    constexpr double step = 1e-6;
+    for (int k = 0; k < 6; ++k) {
+      Eigen::Matrix<double, 6, 2> n;
+      for (int side : {0, 1}) {
+        spatial::Vector6 q = spatial::Vector6::Zero();
+        q[k] = side == 0 ? step : -step;
+        const Eigen::AngleAxisd turn(q.tail<3>().norm(), q.tail<3>().norm() > 0.0
+                                                             ? q.tail<3>().normalized()
+                                                             : spatial::Vector3::UnitX());
+        const spatial::Matrix3 R = turn.toRotationMatrix() * X_BP.R_BP;
+        const spatial::Vector3 joint =
+            C + q.head<3>() + R * (leg.platform_joint - machine.platform.mass_center);
+        const spatial::Vector3 axis = (joint - leg.base_joint).normalized();
+        n.col(side) << axis, R.transpose() * axis;
+      }
+      per.col(k) = (n.col(0) - n.col(1)) / (2.0 * step);
+    }
+    stuck.K += sigma * per.transpose() * per;
+  }
+  const auto limit = modal::normal_modes(stuck);
+  const auto free = modal::normal_modes(dynamics::linear_model(machine, X_BP, ModelKind::rigid));
+  EXPECT_GT(limit.omega(0), 1.01 * free.omega(0));
+  const auto curves = curves_of(machine, {1e-9, 3e-4, 1.0}, ModelKind::rigid);
+  ASSERT_EQ(curves.size(), 6U);
+  for (const auto& curve : curves) {
+    // The order of the modes is another one with these springs.
+    const auto nearest = *std::ranges::min_element(limit.omega2, {}, [&](double omega2) {
+      return std::abs(std::sqrt(omega2) - curve.points[0].omega);
+    });
+    EXPECT_NEAR(curve.points[0].omega, std::sqrt(nearest), 1e-6 * curve.omega);
+    EXPECT_NEAR(curve.points[2].omega, free.omega(curve.mode), 1e-4 * curve.omega);
+    EXPECT_GT(curve.points[1].damping_ratio, curve.points[0].damping_ratio);
+    EXPECT_GT(curve.points[1].damping_ratio, curve.points[2].damping_ratio);
+  }
 }
 
 TEST(ModesAtAmplitudes, MustAscend) {

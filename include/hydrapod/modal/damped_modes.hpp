@@ -107,22 +107,36 @@ Eigen::MatrixXd shape_derivatives(const NormalModes& modes, int k,
 /// Modes at given amplitudes: what guide rings, elastomers and friction make of them
 /// (docs/theory/amplitude.md).
 ///
-/// The platform swings in one mode at a time. Every leg's guide sleeve, piston ring and piston then
-/// have amplitudes, for which harmonic balance gives a spring and a damper.
-/// With these the mode is computed anew, until nothing changes any more.
+/// The platform swings in one mode at a time. Every leg's guide sleeve, piston ring, piston and
+/// joints then have amplitudes, for which harmonic balance gives springs and dampers. The balance
+/// (K(y, ω) − ω² M) y = 0 of the motion y is a curve in (y, ω), the branch of the mode. It is
+/// followed along its arc from small motions on, so that it may turn back in amplitude.
 struct AmplitudeOptions {
-  /// |change of ω| ≤ tolerance · ω and |change of φ| ≤ √tolerance end the iteration.
+  /// |change of ω| ≤ tolerance · ω and |change of y| ≤ √tolerance · |y| end Newton's iteration, |y|
+  /// in the metric of M. It converges quadratically: half of the digits of y are enough for all of
+  /// ω.
   double tolerance{1e-10};
-  int most_iterations{300};
-  /// From one amplitude to the next in steps of this ratio: a guide ring that is met makes the
-  /// sleeves many times stiffer.
-  double largest_ratio{1.5};
-  /// Modes with less of their kinetic energy in the platform are left out: its amplitude says
-  /// little of them.
+  int most_iterations{12};  ///< of Newton's method in a step; more: a shorter step is tried
+  /// Length of a step, √(|change of y|²/|y|² + (change of ω/ω)²), at most: a guide ring that is met
+  /// makes the sleeves many times stiffer.
+  double longest_step{0.4};
+  /// Below it no step is tried, and the branch ends. At the edge of a gap the stiffness turns
+  /// within a tenth of the gap, at pistons that slide within a bend of the bristles.
+  double shortest_step{1e-6};
+  int most_steps{2000};  ///< per branch; those of the shipped machines take some hundred
+  /// Cosine of the angle between the directions of the branch at both ends of a step <
+  /// least_cosine: a shorter step is tried.
+  double least_cosine{0.9};
+  /// Distance of a step from the arc between both directions > largest_kink times its length: a
+  /// shorter step is tried. On a branch the distance falls with the square of the length; beside
+  /// another branch, to which the step would lead, it does not.
+  double largest_kink{0.1};
+  /// The branch is followed up to this multiple of the last amplitude, to see whether it comes
+  /// back.
+  double beyond{1.5};
+  /// Modes with less of their kinetic energy in the platform are left out, and branches end there:
+  /// its amplitude says little of them.
   double least_platform{0.05};
-  /// MAC with the mode a step before < least_mac: shorter steps are tried, then the mode is lost,
-  /// and no number is given.
-  double least_mac{0.8};
 };
 
 struct ModeAtAmplitude {
@@ -133,20 +147,44 @@ struct ModeAtAmplitude {
   double sleeve{};      ///< largest amplitude at a guide sleeve [m]
   double piston{};      ///< largest amplitude of a piston along its leg [m]
   int legs_on_guide{};  ///< whose rods touch the guide ring in the period
-  bool converged{};
+  int turns{};          ///< how often the branch has turned back in amplitude before
+  bool converged{};     ///< false: the branch has no solution at this amplitude
   ModelVector shape{};  ///< φᵀ M φ = 1; empty where it did not converge
 };
 
-/// The curves of one mode over the amplitudes.
+/// Where a branch ends.
+enum class BranchEnd {
+  beyond,     ///< behind all amplitudes
+  turned,     ///< it turned back and left the amplitudes where it had come from
+  local,      ///< the platform hardly moves any more (AmplitudeOptions::least_platform)
+  stopped,    ///< the shortest step finds no balance
+  most_steps  ///< it is longer than AmplitudeOptions::most_steps
+};
+
+/// The branch of one mode.
 struct AmplitudeCurve {
   int mode{};       ///< index into NormalModes of the linear model
   int direction{};  ///< 0…5, in which the platform moves most
-  double omega{};   ///< of motions a thousandth of the first amplitude; 0: there is no balance
-  std::vector<ModeAtAmplitude> points{};  ///< one per amplitude
+  /// Where the branch begins: at a thousandth of the first amplitude, or at long swings. 0: there
+  /// is no balance.
+  double omega{};
+  /// It is followed from long swings down, on which the rods lie on their guides nearly all the
+  /// time.
+  bool from_long_swings{};
+  /// One per amplitude, the first that the branch comes to.
+  std::vector<ModeAtAmplitude> points{};
+  /// The others at these amplitudes, where the branch passes them several times, in its order.
+  std::vector<ModeAtAmplitude> further{};
+  /// Where the branch turns back: the amplitude has an extremum.
+  std::vector<ModeAtAmplitude> turning{};
+  BranchEnd end{};
+  ModeAtAmplitude last{};  ///< at the end of the branch
 };
 
-/// Of every mode that moves the platform (least_platform). `amplitudes` [m] > 0, ascending. Throws
-/// as linear_model() does, and std::invalid_argument for amplitudes that do not ascend.
+/// Of every mode that moves the platform (least_platform); then the branches from long swings of
+/// those modes whose branch from small motions does not get behind all amplitudes. `amplitudes` [m]
+/// > 0, ascending. Throws as linear_model() does, and std::invalid_argument for amplitudes that do
+/// not ascend.
 std::vector<AmplitudeCurve> modes_at_amplitudes(const model::Machine& machine,
                                                 const spatial::Pose& X_BP, dynamics::ModelKind kind,
                                                 std::span<const double> amplitudes,

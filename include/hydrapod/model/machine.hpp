@@ -150,6 +150,8 @@ struct JointFriction {
   double viscous{};             ///< [N m s/rad]
   double coulomb{};             ///< [N m]
   double smoothing_rate{0.01};  ///< [rad/s]
+  /// [N m/rad] of what sticks before it slides (LuGre); modes at amplitudes only.
+  std::optional<double> bristle_stiffness{};
 };
 
 /// What stops the piston at both ends of its stroke.
@@ -250,7 +252,7 @@ struct Elastomer {
 };
 
 /// The step seals' O-rings in the guide sleeve: lateral spring between case and rod; and the guide
-/// ring, on which the rod lies where the O-rings give way by more than `gap`.
+/// ring, on which the rod lies where the O-rings yield by more than `gap`.
 struct GuideSleeve {
   double position{};            ///< L_g [m] from the base joint
   double stiffness{};           ///< k_s [N/m]
@@ -320,7 +322,7 @@ struct JointLimits {
 
 /// What the lateral forces at the guide sleeve do to rod and case.
 enum class LegBending {
-  rigid,   ///< nothing: only the seals give way
+  rigid,   ///< nothing: only the seals are compliant
   elastic  ///< beams, by `rod.diameter`, `rod.wall`, `case.diameter`, `case.wall` and
            ///< `rod.youngs_modulus`, in series with the guide sleeve (docs/theory/leg.md)
 };
@@ -337,7 +339,7 @@ struct Leg {
   std::optional<Stroke> stroke{};
   JointLimits joint_limits{};
   double added_axial_inertia{};  ///< m_a [kg], moves with the piston only
-  /// k_j [N/m] of both gimbals and their fastening along the leg; absent: they do not give way.
+  /// k_j [N/m] of both gimbals and their fastening along the leg; absent: they are rigid.
   std::optional<double> gimbal_stiffness{};
   Vector3 gimbal_axis{Vector3::UnitY()};  ///< a1: base-fixed axis of the lower gimbal, unit, in B
   /// I_c [kg m²] of the lower gimbal's cross about a1; used with FlexibleAxes::gimbal only.
@@ -380,7 +382,7 @@ struct PayloadMode {
 /// More modes than a payload can be told to have by measurements of a hexapod.
 inline constexpr int most_payload_modes = 6;
 
-/// How the flexible axes of a knee stand.
+/// Directions of the flexible axes at the piston.
 enum class FlexibleAxes {
   transverse,  ///< two axes normal to the leg; nothing spins about the leg's axis
   gimbal       ///< parallel to the lower gimbal's axes; axial spin and inertia follow from it
@@ -473,8 +475,7 @@ bool has_elastomers(const Machine& machine);
 /// Does the pressure of the oil stiffen one?
 bool has_pressed_seals(const Machine& machine);
 
-/// Has a leg a damper: at a guide sleeve, a piston ring or beside the oil spring? Elastomers damp
-/// too.
+/// Has a leg a viscous damper: at a guide sleeve, a piston ring or beside the oil spring?
 bool has_leg_dampers(const Machine& machine);
 bool has_rayleigh_damping(const Machine& machine);
 

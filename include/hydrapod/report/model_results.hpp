@@ -120,7 +120,7 @@ struct BodeOptions {
   response::Output output{response::Output::displacement};
   std::optional<spatial::Vector3>
       p_PQ{};                    ///< the point, in P [m]; default: the platform's mass centre
-  std::optional<double> from{};  ///< [rad/s]; default: a third of the lowest frequency that is felt
+  std::optional<double> from{};  ///< [rad/s]; default: a third of the lowest platform mode's
   std::optional<double> to{};    ///< [rad/s]; default: twice the highest one
   int points{2000};
 };
@@ -282,7 +282,7 @@ struct ModesAtPoses {
   };
   std::vector<model::NamedPose> poses{};
   std::vector<modal::ModeTable> tables{};  ///< one per pose
-  std::vector<Followed> followed{};        ///< those that the platform feels
+  std::vector<Followed> followed{};        ///< those with platform motion
 };
 /// `poses[]` with `pose` and what modes_json() has, `followed[]` with `mode[]`, `mac[]` and
 /// `frequency_hz[]` by pose.
@@ -293,13 +293,13 @@ std::string modes_at_poses_csv(const ModesAtPoses& modes);
 
 struct ModesAtAmplitudes {
   std::vector<double> amplitudes{};             ///< [m] of the platform joint that moves most
-  std::vector<modal::AmplitudeCurve> curves{};  ///< a mode each
+  std::vector<modal::AmplitudeCurve> curves{};  ///< a branch each
 };
-/// `amplitude_m[]`, and `curves[]` with `mode`, `direction`, `frequency_hz` of small motions and
-/// `points[]`.
+/// `amplitude_m[]`, and `curves[]` with `mode`, `direction`, `frequency_hz` where the branch begins,
+/// `points[]`, `further[]`, `turning_points[]` and `end`.
 Json modes_at_amplitudes_json(const ModesAtAmplitudes& modes);
 ModesAtAmplitudes modes_at_amplitudes_from_json(const Json& json, const std::string& file);
-/// A line per mode and amplitude.
+/// A line per solution, branch by branch in its order.
 std::string modes_at_amplitudes_csv(const ModesAtAmplitudes& modes);
 /// Frequency and damping ratio over the amplitude. Needs gnuplot; see plot_bode.
 void plot_modes_at_amplitudes(const ModesAtAmplitudes& modes, const std::string& title,
