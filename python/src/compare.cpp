@@ -208,6 +208,13 @@ void add_compare(py::module_& module) {
                                  names.emplace_back(spatial::direction_name(curve.direction));
                                return names;
                              })
+      .def_property_readonly("from_long_swings",
+                             [](const ModesAtAmplitudes& m) {
+                               std::vector<bool> second;
+                               for (const auto& curve : m.found.curves)
+                                 second.push_back(curve.from_long_swings);
+                               return second;
+                             })
       .def_property_readonly(
           "frequency_hz",
           [](const ModesAtAmplitudes& m) {
