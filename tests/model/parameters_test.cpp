@@ -84,7 +84,7 @@ TEST(Parameters, EveryDoubleOfAMachineIsReachedByOneRow) {
       1 /* ring */ + 2 /* oil spring */ + 3 /* cylinder */ + 1 /* stroke */ + 2 /* limits */ +
       1 /* gimbals */ + 2 /* valve */ + 1 /* leakage */ + 4 /* friction */ + 1 /* stops */ +
       1 /* area */ + 2 /* section of the case */ + 2 /* of the rod */ + 1 /* gap */ +
-      2 /* elastomers */ + 1 /* bending */;
+      2 /* elastomers */ + 1 /* bending */ + 1 /* bristles of the joints */;
   EXPECT_EQ(inside(&leg, sizeof(Leg), places) + marks_of_a_leg, sizeof(Leg) / sizeof(double));
   EXPECT_EQ(inside(&machine.platform, sizeof(Platform), places) + 3,
             sizeof(Platform) / sizeof(double));
