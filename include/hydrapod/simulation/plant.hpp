@@ -24,13 +24,13 @@
 /// friction of the seals along the leg then, and there are end stops only with a given stroke.
 /// With `oil_springs = false` as well, the input's axial forces alone act on the pistons.
 ///
-/// Gimbals that give way along the leg (`gimbal_stiffness` k_j) are a spring without mass in series
+/// Compliant gimbals (`gimbal_stiffness` k_j, along the leg) are a spring without mass in series
 /// with the oil; they add no state. The piston stands at s_p = s + (F − F_0)/k_j with F the oil's
 /// force and F_0 that of rest at the reference pose, where the file's lengths hold; it moves at
 ///     ṡ_p = (ṡ + q/k_j) / (1 + k/k_j)     q: Ḟ by flows alone, k: stiffness of both chambers
 /// Chambers see s_p and ṡ_p; seals' friction and end stops act beside oil and gimbals, on s and ṡ.
 ///
-/// A base that gives way (`base.mount`) moves as dynamics/nonlinear.hpp says. Poses, lengths and
+/// A compliant base (`base.mount`) moves as dynamics/nonlinear.hpp says. Poses, lengths and
 /// everything else is then against the base, in its axes, unless it says otherwise.
 ///
 /// Input: valve commands in [−1, 1] (+: the leg extends) and a wrench on the platform.
@@ -120,7 +120,7 @@ struct LegOutput {
   dynamics::Vector2 sleeve_offset{dynamics::Vector2::Zero()};  ///< d_s [m]
 };
 
-/// The base against the ground, at the origin of B; all zero where it does not give way.
+/// The base against the ground, at the origin of B; all zero where it is rigid.
 struct BaseOutput {
   Vector6 motion{Vector6::Zero()};        ///< q_b [m, rad]
   Vector6 rate{Vector6::Zero()};          ///< v_b
@@ -135,7 +135,7 @@ struct PlantOutput {
   Vector3 p_BC{Vector3::Zero()};
   Vector6 twist{Vector6::Zero()};         ///< velocity of C, ω
   Vector6 acceleration{Vector6::Zero()};  ///< of C, ω̇
-  /// Of C and ω̇, against the ground: what accelerometers feel.
+  /// Of C and ω̇, against the ground: what accelerometers measure.
   Vector6 ground_acceleration{Vector6::Zero()};
   BaseOutput base{};
   std::array<LegOutput, model::leg_count> legs{};
@@ -229,7 +229,7 @@ class Plant {
     double force{}, stiffness{}, damping{}, s{};
   };
   struct Gimbals {
-    double compliance{};  ///< 1/k_j [m/N], 0: they do not give way
+    double compliance{};  ///< 1/k_j [m/N], 0: they are rigid
     double force{};       ///< F_0 [N]
   };
   struct Work;  ///< intermediate results of one evaluation
