@@ -62,7 +62,7 @@ std::string modes_text(const diagnosis::Diagnosis& d, const TableStyle& style) {
 
 std::string ranking_text(const diagnosis::Diagnosis& d, std::size_t shown,
                          const TableStyle& style) {
-  Table table({"rank", "<explanation", "ΔBIC", "numbers", "misfit", "<values", "<contradiction"});
+  Table table({"rank", "<hypothesis", "ΔBIC", "numbers", "misfit", "<values", "<contradiction"});
   std::size_t rank = 0;
   const auto add = [&](const diagnosis::Hypothesis& e) {
     const auto wrong = report::contradiction_words(d, e);
@@ -90,7 +90,8 @@ std::string attribution_text(const diagnosis::CaseFile& file, const TableStyle& 
   if (file.drops.empty()) return {};
   const auto machine = machine_word(file);
   std::vector<Column> columns{"<direction", "rigid Hz", fmt::format("{} Hz", machine),
-                              "drop",       "share",    "peak"};
+                              "drop",       "share",    "peak",
+                              "<lower mode"};
   for (const auto& part : file.drops.front().parts) columns.push_back(report::part_name(part.part));
   Table table(columns);
   for (const auto& drop : file.drops) {
@@ -101,7 +102,8 @@ std::string attribution_text(const diagnosis::CaseFile& file, const TableStyle& 
         hertz(r.omega),
         fmt::format("{:.2f} %", 100.0 * r.drop()),
         fmt::format("{:.0f} %", 100.0 * r.mac),
-        fmt::format("{:.2f}", report::peak_height(r.mac, r.omega, r.omega_rigid))};
+        fmt::format("{:.2f}", report::peak_height(r.mac, r.omega, r.omega_rigid)),
+        r.below ? fmt::format("{} Hz, {:.0f} %", hertz(r.below->omega), 100.0 * r.below->mac) : ""};
     constexpr double least = 5e-4;  // of a smaller drop shares mean nothing
     for (const auto& part : drop.parts)
       row.push_back(std::abs(r.drop()) < least ? "" : fmt::format("{:.0f} %", 100.0 * part.share));

@@ -2,6 +2,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <complex>
 
 #include "hydrapod/modal/damped_modes.hpp"
 #include "hydrapod/observation/pairing.hpp"
@@ -43,6 +44,60 @@ double omega_of(const ModePoint& point, int mode) {
   return signed_omega(point.modes.omega2[mode]);
 }
 
+/// How ω = |λ| and ζ = −Re λ/|λ| of a damped mode follow the parameters.
+struct PoleDerivatives {
+  Eigen::RowVectorXd omega{}, ratio{};
+};
+
+/// The dynamic stiffness D(s) = s² M + s C + K − Σ κ r/(s + r) s_y s_yᵀ is symmetric, so that with
+/// D(λ) y = 0
+///
+///     dλ = −yᵀ dD y / (yᵀ D' y),   D' = 2λ M + C + Σ κ r/(λ + r)² s_y s_yᵀ
+///
+/// y comes from one step of inverse iteration, which begins at the undamped shape. The ratio that
+/// all modes have besides counts as constant.
+PoleDerivatives pole_derivatives(const ModePoint& point, int mode, double modal_ratio) {
+  using Complex = std::complex<double>;
+  const auto k = static_cast<std::size_t>(mode);
+  const double omega = point.damped_omega[k], ratio = point.damped_ratio[k];
+  const Complex pole(-ratio * omega, omega * std::sqrt(std::max(0.0, 1.0 - ratio * ratio)));
+  const auto& model = point.model;
+  const Eigen::MatrixXd momenta = model.M * point.modes.shapes;
+  const Eigen::VectorXd rates = 2.0 * modal_ratio * point.modes.omega2.cwiseMax(0.0).cwiseSqrt();
+  const Eigen::MatrixXd C = model.C + momenta * rates.asDiagonal() * momenta.transpose();
+  Eigen::MatrixXcd D = pole * pole * model.M + pole * C + model.K;
+  Eigen::MatrixXcd slope = 2.0 * pole * model.M + C;
+  for (const auto& arm : model.arms) {
+    const Complex left = arm.stiffness * arm.rate / (pole + arm.rate);
+    D -= left * (arm.s_y * arm.s_y.transpose());
+    slope += left / (pole + arm.rate) * (arm.s_y * arm.s_y.transpose());
+  }
+  const Eigen::VectorXcd momentum = momenta.col(mode);
+  const Eigen::VectorXcd y = D.partialPivLu().solve(momentum).normalized();
+  const auto along = [&](const auto& matrix) -> Complex { return y.transpose() * (matrix * y); };
+  const auto relaxed = [&](const std::vector<dynamics::RelaxingArm>& arms) {
+    Complex sum = 0.0;
+    for (const auto& arm : arms) {
+      const Complex stretch = arm.s_y.cast<Complex>().transpose() * y;
+      sum += arm.stiffness * arm.rate / (pole + arm.rate) * stretch * stretch;
+    }
+    return sum;
+  };
+  const Complex by_pole = along(slope);
+  const auto count = static_cast<Eigen::Index>(point.derivatives.size());
+  PoleDerivatives found{.omega = Eigen::RowVectorXd(count), .ratio = Eigen::RowVectorXd(count)};
+  for (Eigen::Index j = 0; j < count; ++j) {
+    const auto& of = point.derivatives[static_cast<std::size_t>(j)];
+    Complex change = pole * pole * along(of.M) + pole * along(of.C) + along(of.K);
+    if (of.step > 0.0)
+      change -= (relaxed(of.arms_above) - relaxed(of.arms_below)) / (2.0 * of.step);
+    const Complex dpole = -change / by_pole;
+    found.omega[j] = (std::conj(pole) * dpole).real() / omega;
+    found.ratio[j] = -(dpole.real() + ratio * found.omega[j]) / omega;
+  }
+  return found;
+}
+
 /// (ω − ω_t) / deviation
 class FrequencyResidual : public ResidualKind {
  public:
@@ -51,14 +106,16 @@ class FrequencyResidual : public ResidualKind {
                 Eigen::MatrixXd* J) const override {
     const auto& [point, mode, group] = found(problem, state, target_);
     const auto& target = problem.targets().modes[target_];
-    const double undamped = signed_omega(point.modes.omega2[mode]);
-    const double omega = omega_of(point, mode);
-    r[0] = (omega - target.omega) / target.deviation;
+    r[0] = (omega_of(point, mode) - target.omega) / target.deviation;
     if (J == nullptr) return;
+    if (!point.damped_omega.empty()) {
+      const double ratio = modal::modal_ratio(state.machine).value;
+      *J = pole_derivatives(point, mode, ratio).omega / target.deviation;
+      return;
+    }
+    const double undamped = signed_omega(point.modes.omega2[mode]);
     const double least = 1e-6 * target.omega;  // at buckling the derivative has a pole
     *J = point.domega2.row(mode) / (2.0 * std::max(std::abs(undamped), least) * target.deviation);
-    // The damped frequency of elastomers follows the undamped one nearly in proportion.
-    if (!point.damped_omega.empty() && std::abs(undamped) > least) *J *= omega / undamped;
   }
 
  private:
@@ -66,7 +123,7 @@ class FrequencyResidual : public ResidualKind {
 };
 
 /// (ζ − ζ_t) / deviation with ζ = φᵀ C φ / 2ω + the modal ratio: first order in the coupling that
-/// dampers make between modes.
+/// dampers make between modes. With elastomers ζ is that of the damped mode.
 class DampingResidual : public ResidualKind {
  public:
   explicit DampingResidual(int target) : ResidualKind(1, 1), target_(target) {}
@@ -74,6 +131,16 @@ class DampingResidual : public ResidualKind {
                 Eigen::MatrixXd* J) const override {
     const auto [point, mode, group] = found(problem, state, target_);
     const auto& target = problem.targets().modes[target_];
+    const double ratio = modal::modal_ratio(state.machine).value;
+    if (!point.damped_ratio.empty()) {
+      r[0] = (point.damped_ratio[static_cast<std::size_t>(mode)] - *target.damping) /
+             target.damping_deviation;
+      if (J == nullptr) return;
+      *J = pole_derivatives(point, mode, ratio).ratio;
+      if (ratio > 0.0) add_ratio(problem, *J);
+      *J /= target.damping_deviation;
+      return;
+    }
     const double omega2 = std::max(point.modes.omega2[mode], 1e-12 * target.omega * target.omega);
     const double omega = std::sqrt(omega2);
     const dynamics::ModelVector phi = point.modes.shapes.col(mode);
@@ -81,11 +148,7 @@ class DampingResidual : public ResidualKind {
     const auto& arms = point.model.arms;
     const double viscous =
         (phi.dot(C_phi) + modal::relaxed_damping(arms, phi, omega)) / (2.0 * omega);
-    const double ratio = modal::modal_ratio(state.machine).value;
-    const double now = point.damped_ratio.empty()
-                           ? viscous + ratio
-                           : point.damped_ratio[static_cast<std::size_t>(mode)];
-    r[0] = (now - *target.damping) / target.damping_deviation;
+    r[0] = (viscous + ratio - *target.damping) / target.damping_deviation;
     if (J == nullptr) return;
     dynamics::ModelVector force = C_phi;
     for (const auto& arm : arms) force += damper_at(arm, omega) * arm.s_y.dot(phi) * arm.s_y;

@@ -214,14 +214,16 @@ void add_base(const model::MachineFile& file, std::vector<Cause>& all) {
 /// valves have little (hydraulics::line_inertia); those with an open end move as a whole.
 void add_oil_lines(const model::MachineFile& file, std::vector<Cause>& all) {
   constexpr double least = 1e-4, most = 0.5;  // of the platform's mass, per leg
-  const std::string path = "legs.added_axial_inertia";
   const double mass = file.machine.platform.mass;
-  const double stated = leg_of(file, {}).added_axial_inertia;
-  const double start = std::max(stated, 10.0 * least * mass);
-  Cause cause{Cause::Kind::oil_lines};
-  if (start != stated) cause.changes = {change(file, path, start)};
-  cause.free = {{.paths = {path}, .start = start, .lower = least * mass, .upper = most * mass}};
-  all.push_back(cause);
+  for (const auto leg : all_and_each) {
+    const auto path = leg_path(leg, "added_axial_inertia");
+    const double stated = leg_of(file, leg).added_axial_inertia;
+    const double start = std::max(stated, 10.0 * least * mass);
+    Cause cause{Cause::Kind::oil_lines, leg};
+    if (start != stated) cause.changes = {change(file, path, start)};
+    cause.free = {{.paths = {path}, .start = start, .lower = least * mass, .upper = most * mass}};
+    all.push_back(cause);
+  }
 }
 
 /// Worn piston seals: damping that falls with the frequency. Without chambers leakage is not in the
@@ -261,9 +263,9 @@ void add_payload_modes(const model::MachineFile& file, std::vector<Cause>& all) 
   }
   constexpr double start = 0.2, least = 0.01, most = 0.9;      // of the platform's mass
   constexpr double above = 2.0, lowest = 0.4, highest = 40.0;  // of the lowest rigid frequency
-  const auto rigid = modal::normal_modes(dynamics::linear_model(
+  const auto rigid_modes = modal::normal_modes(dynamics::linear_model(
       without_mount_and_gimbals(machine), machine.neutral(), dynamics::ModelKind::rigid));
-  const double mass = machine.platform.mass, lowest_hz = rigid.omega(0) / base::two_pi;
+  const double mass = machine.platform.mass, lowest_hz = rigid_modes.omega(0) / base::two_pi;
   for (const auto& [kind, directions] : {std::pair{Cause::Kind::payload_sways, std::vector{0, 1}},
                                          std::pair{Cause::Kind::payload_heaves, std::vector{2}}}) {
     Cause cause{kind};
@@ -289,17 +291,92 @@ void add_payload_modes(const model::MachineFile& file, std::vector<Cause>& all) 
   }
 }
 
+/// Rods that bend more than stated: thinner, or weakened where they are fastened. The diameter
+/// stands for the stiffness E I, which is as its fourth power.
+void add_bending(const model::MachineFile& file, std::vector<Cause>& all) {
+  // half the diameter has a sixteenth of the stiffness; thicker rods are rarely built than drawn
+  constexpr double thinner = 0.5, thicker = 1.25, clearance = 1.02;
+  for (const auto leg : all_and_each) {
+    const auto& of = leg_of(file, leg);
+    if (of.bending != model::LegBending::elastic) continue;
+    const double stated = model::rod_diameter(of).value();
+    double lower = thinner * stated, upper = thicker * stated;
+    if (of.rod.wall) lower = std::max(lower, std::min(stated, 2.0 * clearance * *of.rod.wall));
+    if (const auto& cylinder = of.oil_spring.cylinder)
+      upper = std::min(upper, std::max(stated, cylinder->bore / clearance));
+    const auto path = leg_path(leg, "rod.diameter");
+    Cause cause{Cause::Kind::rods_bend,
+                leg,
+                {{.paths = {path}, .start = stated, .lower = lower, .upper = upper}}};
+    if (!of.rod.diameter) cause.changes = {change(file, path, stated)};
+    all.push_back(cause);
+  }
+}
+
+/// Another compound, or an aged one: what O-rings have, and a little more where the file states
+/// more.
+void add_elastomers(const model::MachineFile& file, std::vector<Cause>& all) {
+  constexpr double least_ratio = 1.05, most_ratio = 4.0;  // catalogues: 1.3 to 3
+  constexpr double least_loss = 0.02, most_loss = 0.6;    // catalogues: 0.1 to 0.3
+  constexpr double margin = 1.2;
+  const auto& legs = file.machine.legs;
+  if (!std::ranges::all_of(legs, [](const auto& leg) { return !!leg.guide_sleeve.elastomer; }))
+    return;
+  const auto& elastomer = legs[0].guide_sleeve.elastomer;
+  const auto add = [&](Cause::Kind kind, const char* key, double value, double least, double most) {
+    all.push_back({kind,
+                   {},
+                   {{.paths = {std::string("legs.guide_sleeve.elastomer.") + key},
+                     .start = value,
+                     .lower = std::min(least, value),
+                     .upper = std::max(most, margin * value)}}});
+  };
+  add(Cause::Kind::elastomer_ratio, "dynamic_ratio", elastomer->dynamic_ratio,
+      std::min(least_ratio, 1.0 + 0.5 * (elastomer->dynamic_ratio - 1.0)), most_ratio);
+  add(Cause::Kind::elastomer_loss, "loss_factor", elastomer->loss_factor, least_loss, most_loss);
+}
+
 }  // namespace
 
 Family Cause::family() const {
-  if (kind == Cause::Kind::guide_sleeves) return Family::guide_sleeves;
-  if (kind == Cause::Kind::piston_rings) return Family::piston_rings;
-  if (kind <= Cause::Kind::gimbals) return Family::leg_axes;
-  if (kind <= Cause::Kind::mass_and_inertia) return Family::platform;
-  if (kind == Cause::Kind::mass_center) return Family::mass_center;
-  if (kind == Cause::Kind::leakage) return Family::leakage;
-  if (kind >= Cause::Kind::payload_sways) return Family::payload_modes;
-  return kind == Cause::Kind::oil_lines ? Family::oil_lines : Family::base;
+  switch (kind) {
+    case Kind::guide_sleeves:
+      return Family::guide_sleeves;
+    case Kind::piston_rings:
+      return Family::piston_rings;
+    case Kind::bulk_modulus:
+    case Kind::oil_springs:
+    case Kind::air:
+    case Kind::cap_volume:
+    case Kind::rod_volume:
+    case Kind::gimbals:
+      return Family::leg_axes;
+    case Kind::payload:
+    case Kind::payload_height:
+    case Kind::inertia:
+    case Kind::mass_and_inertia:
+      return Family::platform;
+    case Kind::mass_center:
+      return Family::mass_center;
+    case Kind::base_lateral:
+    case Kind::base_vertical:
+    case Kind::base_rocking:
+      return Family::base;
+    case Kind::oil_lines:
+      return Family::oil_lines;
+    case Kind::leakage:
+      return Family::leakage;
+    case Kind::payload_sways:
+    case Kind::payload_heaves:
+    case Kind::payload_modes:
+      return Family::payload_modes;
+    case Kind::rods_bend:
+      return Family::bending;
+    case Kind::elastomer_ratio:
+    case Kind::elastomer_loss:
+      return Family::elastomers;
+  }
+  return Family::guide_sleeves;
 }
 
 bool Cause::in_pairs() const {
@@ -310,14 +387,18 @@ bool Cause::in_pairs() const {
                                  Cause::Kind::payload_height,
                                  Cause::Kind::payload_sways,
                                  Cause::Kind::payload_heaves,
-                                 Cause::Kind::payload_modes};
+                                 Cause::Kind::payload_modes,
+                                 Cause::Kind::rods_bend,
+                                 Cause::Kind::elastomer_ratio,
+                                 Cause::Kind::elastomer_loss};
   return std::ranges::count(stood_for, kind) == 0;
 }
 
 std::vector<Cause> causes_of(const model::MachineFile& file) {
   std::vector<Cause> all;
-  for (const auto add : {add_guide_sleeves, add_piston_rings, add_oil, add_gimbals, add_platform,
-                         add_base, add_oil_lines, add_leakage, add_payload_modes})
+  for (const auto add :
+       {add_guide_sleeves, add_piston_rings, add_oil, add_gimbals, add_platform, add_base,
+        add_oil_lines, add_leakage, add_payload_modes, add_bending, add_elastomers})
     add(file, all);
   return all;
 }

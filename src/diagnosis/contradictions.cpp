@@ -174,7 +174,9 @@ std::vector<Beside> beside_predicted(const Evidence& evidence, const Hypothesis&
       if (mode.pose == named.name && mode.direction)
         measured[static_cast<std::size_t>(*mode.direction)].push_back(mode.omega);
     if (std::ranges::all_of(measured, [](const auto& some) { return some.empty(); })) continue;
-    for (const auto& r : first_resonances(machine, named.X_BP, nominal.kind)) {
+    // the lowest one that was measured may hold a small share of its direction
+    for (const auto& r :
+         first_resonances(machine, named.X_BP, nominal.kind, {.of_largest = resonance_mac})) {
       auto& here = measured[static_cast<std::size_t>(r.main_direction)];
       if (here.empty() || !(r.omega > 0.0)) continue;
       std::ranges::sort(here);

@@ -15,18 +15,12 @@ double ChiSquared::probability() const {
   return boost::math::cdf(boost::math::complement(boost::math::chi_squared(degrees), sum));
 }
 
-namespace {
-
-/// Of the hypothesis that meets the responses best: what ranking.cpp adds to those compared as
-/// mechanics.
-double unseen_responses(const Diagnosis& d) {
+double least_response_misfit(const Diagnosis& d) {
   double least = std::numeric_limits<double>::infinity();
   for (const auto& e : d.hypotheses)
     if (!e.fit.responses.empty()) least = std::min(least, e.response_misfit());
   return std::isfinite(least) ? least : 0.0;
 }
-
-}  // namespace
 
 Goodness goodness(const Diagnosis& d, const Hypothesis& e) {
   Goodness g;
@@ -35,7 +29,7 @@ Goodness goodness(const Diagnosis& d, const Hypothesis& e) {
   g.frequencies.values = static_cast<int>(e.fit.targets.size());
   g.shapes.values = std::max(0, d.values - g.frequencies.values - g.responses.values);
   const bool seen = !e.fit.responses.empty();
-  g.responses.sum = seen ? e.response_misfit() : unseen_responses(d);
+  g.responses.sum = seen ? e.response_misfit() : least_response_misfit(d);
   g.shapes.sum = std::max(0.0, e.misfit - g.frequencies.sum - g.responses.sum);
   // numbers that the frequencies cannot determine alone are those of the shapes
   const int of_frequencies = std::min(e.parameters, std::max(0, g.frequencies.values - 1));

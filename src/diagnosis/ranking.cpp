@@ -14,7 +14,7 @@ namespace hydrapod::diagnosis {
 
 namespace {
 
-/// Does a pair only repeat what one of its two says alone?
+/// Are the causes of one hypothesis among those of another?
 bool holds(const Hypothesis& pair, const Hypothesis& single) {
   return single.causes.size() < pair.causes.size() &&
          std::includes(pair.causes.begin(), pair.causes.end(), single.causes.begin(),
@@ -26,15 +26,22 @@ bool explains_anything(const Diagnosis& d, const Hypothesis& e) {
   return e.parameters >= std::max(1, d.values);
 }
 
+/// Does it meet the data no better than some of its causes alone, or than the nominal machine?
+/// Those are then judged in its place, also where they do not explain the data: what it adds is not
+/// shown.
+bool repeats(const Diagnosis& d, const Hypothesis& e) {
+  return std::ranges::any_of(d.hypotheses, [&](const Hypothesis& other) {
+    return !other.rigid && other.bic <= d.best().bic + same && holds(e, other);
+  });
+}
+
 /// What is compared as mechanics says nothing about responses: it is taken to meet them as well as
 /// the one that meets them best.
 void add_unseen_responses(Diagnosis& d) {
   if (d.targets.responses.empty()) return;
-  double least = std::numeric_limits<double>::infinity();
-  for (const auto& e : d.hypotheses)
-    if (!e.fit.responses.empty()) least = std::min(least, e.response_misfit());
+  const double least = least_response_misfit(d);
   for (auto& e : d.hypotheses)
-    if (e.fit.responses.empty() && std::isfinite(least)) e.misfit = e.fit.misfit + least;
+    if (e.fit.responses.empty()) e.misfit = e.fit.misfit + least;
 }
 
 }  // namespace
@@ -76,9 +83,9 @@ bool explains(const Diagnosis& d, const Hypothesis& e) {
          (e.causes.size() > 1 ? least_probability_of_pair : least_probability);
 }
 
-/// Are the frequencies those of the machine as stated, though the shapes are not? Every cause that
+/// Are the frequencies those of the nominal machine, though the shapes are not? Every cause that
 /// moves shapes moves frequencies too, so that the shapes are in doubt: places, signs or directions
-/// of sensors. Leakage moves dampings and responses alone.
+/// of sensors. Leakage moves damping ratios and responses alone.
 bool only_shapes_differ(const Diagnosis& d) {
   const bool more = !d.targets.responses.empty() ||
                     std::ranges::any_of(d.targets.modes,
@@ -91,22 +98,25 @@ bool is_tested(const Diagnosis& d, const Hypothesis& e) {
   return static_cast<int>(d.targets.modes.size()) - e.parameters >= tested_by;
 }
 
-/// Leaves of those that are alike the ones that explain the data, with numbers that no bound holds,
-/// and clearly better than a cause that is no candidate would.
-void drop_unexplained(Diagnosis& d) {
-  if (only_shapes_differ(d)) d.equivalent.clear();
-  const double limit = unlisted_bic(d) - over_unlisted;
-  const auto held = [](const calibration::FittedParameter& p) {
-    return p.verdict == calibration::Verdict::at_bound;
-  };
-  std::erase_if(d.equivalent, [&](std::size_t k) {
-    const auto& e = d.hypotheses[k];
-    return e.bic > limit || !explains(d, e) || !is_tested(d, e) ||
-           std::ranges::any_of(e.fit.parameters, held);
-  });
+}  // namespace
+
+std::optional<Unexplained> why_unexplained(const Diagnosis& d, const Hypothesis& e) {
+  if (d.scatter > no_explanation) return Unexplained::scatter;
+  if (only_shapes_differ(d)) return Unexplained::shapes_only;
+  if (e.bic > unlisted_bic(d) - over_unlisted) return Unexplained::unlisted;
+  if (!explains(d, e)) return Unexplained::misfit;
+  if (!is_tested(d, e)) return Unexplained::untested;
+  const bool held = std::ranges::any_of(
+      e.fit.parameters, [](const auto& p) { return p.verdict == calibration::Verdict::at_bound; });
+  return held ? std::optional(Unexplained::at_bound) : std::nullopt;
 }
 
-}  // namespace
+const Hypothesis& Diagnosis::judged() const {
+  const auto found = std::ranges::find_if(hypotheses, [&](const Hypothesis& e) {
+    return !explains_anything(*this, e) && !repeats(*this, e);
+  });
+  return found == hypotheses.end() ? best() : *found;
+}
 
 void judge(Diagnosis& d) {
   if (d.scatter > no_explanation) {
@@ -118,6 +128,7 @@ void judge(Diagnosis& d) {
       return;
     }
     d.finding = d.scatter > another_machine ? Finding::do_not_belong : Finding::unexplained;
+    d.unexplained = Unexplained::scatter;
     return;
   }
   const double limit = d.best().bic + same;
@@ -131,21 +142,20 @@ void judge(Diagnosis& d) {
     }
   for (std::size_t k = 0; k < d.hypotheses.size(); ++k)
     if (d.hypotheses[k].bic <= limit) d.equivalent.push_back(k);
-  std::erase_if(d.equivalent, [&](std::size_t k) { return explains_anything(d, d.hypotheses[k]); });
+  std::erase_if(d.equivalent, [&](std::size_t k) {
+    return explains_anything(d, d.hypotheses[k]) || repeats(d, d.hypotheses[k]);
+  });
   if (d.equivalent.empty()) {
     d.finding = Finding::cannot_tell;
     return;
   }
-  drop_unexplained(d);
+  std::erase_if(d.equivalent,
+                [&](std::size_t k) { return why_unexplained(d, d.hypotheses[k]).has_value(); });
   if (d.equivalent.empty()) {
     d.finding = Finding::unexplained;
+    d.unexplained = why_unexplained(d, d.judged());
     return;
   }
-  std::erase_if(d.equivalent, [&](std::size_t k) {
-    return std::ranges::any_of(d.equivalent, [&](std::size_t other) {
-      return holds(d.hypotheses[k], d.hypotheses[other]);
-    });
-  });
   // a second cause whose number the data leave open is an excuse, not a finding
   const auto open = [&](std::size_t k) {
     const auto& e = d.hypotheses[k];
@@ -164,7 +174,7 @@ void judge(Diagnosis& d) {
 
 namespace {
 
-/// Mode of the rigid calculation, of the machine as stated, of which a mode holds most: its
+/// Mode of the rigid-leg model, of the nominal machine, of which a mode holds most: its
 /// frequency and share. A hypothesis may weigh the platform differently.
 double motion_mac(const spatial::Matrix6& metric, const spatial::Vector6& a,
                   const spatial::Vector6& b) {

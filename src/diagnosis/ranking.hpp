@@ -16,6 +16,10 @@ double hypothesis_penalty(std::size_t causes, std::size_t held);
 /// hide that deviations of the other are too small. Infinite where all have as many as values.
 double least_scatter(const Diagnosis& d);
 
+/// Misfit of the responses of the hypothesis that meets them best: that of those which are compared
+/// as mechanics, which says nothing about responses. 0 where none is compared with responses.
+double least_response_misfit(const Diagnosis& d);
+
 /// Scatter, criteria, order.
 void rank(Diagnosis& d);
 

@@ -1,5 +1,6 @@
 #include "hydrapod/diagnosis/diagnose.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "ranking.hpp"
@@ -20,9 +21,26 @@ model::Machine without_mount_and_gimbals(model::Machine machine) {
   return machine;
 }
 
+namespace {
+
+/// Shares of a rigid mode in all modes; modes that repeat share it between them.
+std::vector<SharedMode> shares_of(const spatial::Vector6& psi, const dynamics::LinearModel& model,
+                                  const modal::NormalModes& modes) {
+  std::vector<SharedMode> all;
+  for (int k = 0; k < modes.size(); ++k) {
+    double mac = 0.0;
+    for (int i = 0; i < modes.size(); ++i)
+      if (modes.group[i] == modes.group[k]) mac += rigid_share(model, psi, modes.shapes.col(i));
+    all.push_back({k, modes.omega(k), mac});
+  }
+  return all;
+}
+
+}  // namespace
+
 std::array<FirstResonance, 6> first_resonances(const model::Machine& machine,
-                                               const spatial::Pose& X_BP,
-                                               dynamics::ModelKind kind) {
+                                               const spatial::Pose& X_BP, dynamics::ModelKind kind,
+                                               const ResonanceOptions& options) {
   const auto rigid =
       dynamics::linear_model(without_mount_and_gimbals(machine), X_BP, dynamics::ModelKind::rigid);
   const auto rigid_modes = modal::normal_modes(rigid);
@@ -39,18 +57,18 @@ std::array<FirstResonance, 6> first_resonances(const model::Machine& machine,
              .main_direction = static_cast<int>(main),
              .rigid_mode = r,
              .omega_rigid = rigid_modes.omega(r)};
-    const spatial::Vector6 psi = rigid_modes.shapes.col(r);
-    for (int k = 0; k < modes.size() && found.mac < resonance_mac; ++k) {
-      // modes that repeat share the rigid mode between them
-      double mac = 0.0;
-      for (int i = 0; i < modes.size(); ++i)
-        if (modes.group[i] == modes.group[k])
-          mac += rigid_share(flexible, psi, modes.shapes.col(i));
-      if (mac >= resonance_mac) {
-        found.mode = k;
-        found.omega = modes.omega(k);
-        found.mac = mac;
+    if (!(modes.omega2.minCoeff() > 0.0)) continue;  // the legs fold
+    const auto all = shares_of(rigid_modes.shapes.col(r), flexible, modes);
+    const double largest = std::ranges::max_element(all, {}, &SharedMode::mac)->mac;
+    for (const auto& mode : all) {
+      if (mode.mac >= options.of_largest * largest) {
+        found.mode = mode.mode;
+        found.omega = mode.omega;
+        found.mac = mode.mac;
+        break;
       }
+      if (mode.mac >= resonance_mac && (!found.below || mode.mac > found.below->mac))
+        found.below = mode;
     }
   }
   return result;

@@ -150,6 +150,12 @@ void describe(Fields& f, PartShare& share) {
 }
 
 template <class Fields>
+void describe(Fields& f, SharedMode& mode) {
+  f.scaled("frequency_hz", mode.omega, two_pi);
+  f("mac", mode.mac);
+}
+
+template <class Fields>
 void describe(Fields& f, AttributedDrop& drop) {
   auto& r = drop.resonance;
   f("direction", r.direction);
@@ -158,6 +164,7 @@ void describe(Fields& f, AttributedDrop& drop) {
   f.derived("drop", r.drop());
   f("mac", r.mac);
   f.derived("peak_height", report::peak_height(r.mac, r.omega, r.omega_rigid));
+  f.optional("below", r.below);
   f("parts", drop.parts);
 }
 
@@ -199,14 +206,14 @@ namespace {
 template <class Fields>
 void describe_cause(Fields& f, Cause& cause) {
   static constexpr std::array kinds{
-      "guide_sleeves", "piston_rings",     "bulk_modulus", "oil_springs",   "air",
-      "cap_volume",    "rod_volume",       "gimbals",      "payload",       "payload_height",
-      "inertia",       "mass_and_inertia", "mass_center",  "base_lateral",  "base_vertical",
-      "base_rocking",  "oil_lines",        "leakage",      "payload_sways", "payload_heaves",
-      "payload_modes"};
-  static constexpr std::array families{"guide sleeves", "piston rings", "leg axes",
-                                       "platform",      "mass centre",  "base",
-                                       "oil lines",     "leakage",      "payload modes"};
+      "guide_sleeves", "piston_rings",     "bulk_modulus",    "oil_springs",   "air",
+      "cap_volume",    "rod_volume",       "gimbals",         "payload",       "payload_height",
+      "inertia",       "mass_and_inertia", "mass_center",     "base_lateral",  "base_vertical",
+      "base_rocking",  "oil_lines",        "leakage",         "payload_sways", "payload_heaves",
+      "payload_modes", "rods_bend",        "elastomer_ratio", "elastomer_loss"};
+  static constexpr std::array families{"guide sleeves", "piston rings", "leg axes",  "platform",
+                                       "mass centre",   "base",         "oil lines", "leakage",
+                                       "payload modes", "bending",      "elastomers"};
   if constexpr (!Fields::reads) {
     f.derived("name", cause_name(cause));
     f.derived("statement", cause_statement(cause));
@@ -311,6 +318,10 @@ void describe_diagnosis(Fields& f, Diagnosis& d) {
   f("measured_values", d.values);
   f("scatter", d.scatter);
   if constexpr (!Fields::reads) f.derived("raw_reduced_misfit", raw_scatter2(d));
+  static constexpr std::array why{"scatter", "shapes_only", "unlisted",
+                                  "misfit",  "untested",    "at_bound"};
+  if (f.has("unexplained")) d.unexplained.emplace();
+  if (d.unexplained) f.word("unexplained", *d.unexplained, why);
   f("interrupted", d.interrupted);
   f("measured_modes", d.modes);
   if constexpr (Fields::reads) {

@@ -38,11 +38,25 @@ std::string weight_text(double mac, double omega, double omega_rigid) {
                      100.0 * mac, report::peak_height(mac, omega, omega_rigid));
 }
 
-/// Lowest measured mode of every direction at a pose that holds a tenth of a rigid mode.
+/// Is a measured mode a resonance of its direction (FirstResonance)? The share that no measured
+/// mode holds is taken to be in one that was not measured.
+bool is_resonance(const Diagnosis& d, const MeasuredMode& mode) {
+  double largest = 0.0, left = 1.0;
+  for (const auto& other : d.modes) {
+    if (other.pose != mode.pose || other.omega_rigid != mode.omega_rigid) continue;
+    largest = std::max(largest, other.rigid_mac);
+    left -= other.rigid_mac;
+  }
+  return mode.rigid_mac >= ResonanceOptions{}.of_largest * std::max(largest, left);
+}
+
+/// First measured resonance of every direction at a pose.
 void add_drops(const Diagnosis& d, std::vector<std::string>& words) {
   std::map<std::pair<std::string, int>, const MeasuredMode*> first;
   for (const auto& mode : d.modes) {
-    if (mode.direction < 0 || mode.mode_direction >= 0 || mode.rigid_mac < resonance_mac) continue;
+    if (mode.direction < 0 || mode.mode_direction >= 0 || mode.rigid_mac < resonance_mac ||
+        !is_resonance(d, mode))
+      continue;
     auto& lowest = first[{mode.pose, mode.direction}];
     if (lowest == nullptr || mode.omega < lowest->omega) lowest = &mode;
   }
@@ -74,7 +88,8 @@ void add_drops(const Diagnosis& d, std::vector<std::string>& words) {
         weight_text(mode->rigid_mac, mode->omega, mode->omega_rigid)));
   }
   if (groups.empty() && !d.modes.empty())
-    words.push_back("No measured resonance lies 1 % or more below the rigid-leg model.");
+    words.push_back(
+        "No measured first resonance of a direction lies 1 % or more below the rigid-leg model.");
 }
 
 /// Which compliance a measured resonance comes from, when it is not the platform on its oil.
@@ -184,6 +199,31 @@ std::string_view alone_words(const CaseFile& file) {
   return other ? " (mechanics alone, at the pressures in the file)" : "";
 }
 
+/// Modes below the first resonances, which hold a smaller share: those with the highest peaks. True
+/// where there are any.
+bool add_lower_modes(const CaseFile& file, std::vector<std::string>& words) {
+  constexpr std::size_t most = 3;
+  const auto peak = [](const FirstResonance* r) {
+    return report::peak_height(r->below->mac, r->below->omega, r->omega_rigid);
+  };
+  std::vector<const FirstResonance*> all;
+  for (const auto& drop : file.drops)
+    if (drop.resonance.below && drop.resonance.below->omega < drop.resonance.omega_rigid)
+      all.push_back(&drop.resonance);
+  std::ranges::stable_sort(all, [&](const auto* a, const auto* b) { return peak(a) > peak(b); });
+  for (std::size_t k = 0; k < std::min(most, all.size()); ++k) {
+    const auto& r = *all[k];
+    words.push_back(fmt::format(
+        "Calculated at pose {} for the {} machine{}: a mode at {}, {} below the rigid-leg model, "
+        "holds a smaller part of {} ({}). The {} resonance is at {} ({}).",
+        file.pose, machine_word(file), alone_words(file), frequency_text(r.below->omega),
+        share_text(1.0 - r.below->omega / r.omega_rigid), r.direction,
+        weight_text(r.below->mac, r.below->omega, r.omega_rigid), r.direction,
+        frequency_text(r.omega), weight_text(r.mac, r.omega, r.omega_rigid)));
+  }
+  return !all.empty();
+}
+
 void add_attribution(const CaseFile& file, std::vector<std::string>& words) {
   constexpr std::size_t most = 3;
   std::vector<const AttributedDrop*> drops;
@@ -207,7 +247,8 @@ void add_attribution(const CaseFile& file, std::vector<std::string>& words) {
         weight_text(drop.resonance.mac, drop.resonance.omega, drop.resonance.omega_rigid),
         parts.empty() ? "no part alone" : fmt::format("{}", fmt::join(parts, ", "))));
   }
-  if (drops.empty() && !file.drops.empty())
+  const bool lower = add_lower_modes(file, words);
+  if (drops.empty() && !lower && !file.drops.empty())
     words.push_back(fmt::format(
         "Calculated at pose {} for the {} machine{}: rigid seals, gimbals and base would raise no "
         "resonance by 1 %.",

@@ -69,8 +69,8 @@ constexpr std::array cause_words{
     CauseWords{"rocking compliance of the base", "the base is compliant in rocking", "", ""},
     CauseWords{
         "oil in the lines",
-        "oil in the lines adds inertia to the pistons, more than lines with closed valves have", "",
-        ""},
+        "oil in the lines adds inertia to the pistons, more than lines with closed valves have",
+        "oil in the lines of leg {}", "oil in the lines adds inertia to the piston of leg {}"},
     CauseWords{"leakage past the pistons of all legs",
                "the leakage past the pistons of all legs differs from the nominal value",
                "leakage past the piston of leg {}",
@@ -80,7 +80,18 @@ constexpr std::array cause_words{
     CauseWords{"payload that heaves",
                "a part of the payload is not rigid: it swings in the vertical direction", "", ""},
     CauseWords{"modes of the payload",
-               "the frequencies of the payload's modes differ from the nominal values", "", ""}};
+               "the frequencies of the payload's modes differ from the nominal values", "", ""},
+    CauseWords{"rods of all legs that bend",
+               "the bending stiffness of the rods of all legs differs from the nominal value",
+               "rod of leg {} that bends",
+               "the bending stiffness of the rod of leg {} differs from the nominal value"},
+    CauseWords{"dynamic stiffening of the guide sleeves' elastomers",
+               "the ratio of dynamic to static stiffness of the guide sleeves' elastomers differs "
+               "from the nominal value",
+               "", ""},
+    CauseWords{"loss factor of the guide sleeves' elastomers",
+               "the loss factor of the guide sleeves' elastomers differs from the nominal value",
+               "", ""}};
 
 std::string of_cause(const Cause& cause, const char* CauseWords::*all,
                      const char* CauseWords::*of_leg) {
@@ -265,35 +276,46 @@ const Hypothesis* fits_anything(const Diagnosis& d) {
 
 namespace {
 
-std::string chi_squared_text(const char* of, const ChiSquared& kind) {
-  return fmt::format("{} χ² {:.3g} with {} degrees of freedom", of, kind.sum, kind.degrees);
-}
-
-/// Why the best hypothesis is none.
-std::string misfit_text(const Diagnosis& d) {
-  const auto name = hypothesis_name(d, d.best());
-  if (d.scatter > no_explanation)
-    return fmt::format(
-        "even the best hypothesis ({}) differs from the measured values by {:.{}f} σ", name,
-        d.scatter, d.scatter < 10.0 ? 1 : 0);
-  const auto g = goodness(d, d.best());
-  if (d.best().bic > unlisted_bic(d) - 2.0 * same)
-    return fmt::format(
-        "even the best hypothesis ({}) explains the measured values no better than a change of "
-        "each "
-        "mode by an amount of its own would",
-        name);
+/// Which kind of values the hypothesis misses most.
+std::string worst_kind_text(const Goodness& g) {
   const auto* worst = &g.frequencies;
   const char* of = "frequencies";
   if (g.shapes.probability() < worst->probability())
     std::tie(worst, of) = std::tuple(&g.shapes, "shapes");
   if (g.responses.probability() < worst->probability())
     std::tie(worst, of) = std::tuple(&g.responses, "responses");
-  return fmt::format(
-      "even the best hypothesis ({}) misses the measured values by more than the uncertainties "
-      "allow "
-      "({}: probability {:.1g})",
-      name, chi_squared_text(of, *worst), g.probability);
+  return fmt::format("{} χ² {:.3g} with {} degrees of freedom: probability {:.1g}", of, worst->sum,
+                     worst->degrees, g.probability);
+}
+
+/// Why the best hypothesis is none.
+std::string unexplained_text(const Diagnosis& d) {
+  const auto& e = d.judged();
+  const auto best = fmt::format("even the best hypothesis ({})", hypothesis_name(d, e));
+  switch (d.unexplained.value_or(Unexplained::scatter)) {
+    case Unexplained::scatter:
+      return fmt::format("{} differs from the measured values by {:.{}f} σ", best, d.scatter,
+                         d.scatter < 10.0 ? 1 : 0);
+    case Unexplained::shapes_only:
+      return "the frequencies are those of the nominal machine, and shapes or other values are "
+             "not; check places, signs and directions of the sensors";
+    case Unexplained::unlisted:
+      return best +
+             " explains the measured values no better than a change of each mode by an amount of "
+             "its own would";
+    case Unexplained::misfit:
+      return fmt::format("{} misses the measured values by more than the uncertainties allow ({})",
+                         best, worst_kind_text(goodness(d, e)));
+    case Unexplained::untested:
+      return fmt::format(
+          "{} fits {} numbers to {} frequencies, and so many numbers fit most "
+          "frequencies",
+          best, e.parameters, d.modes.size());
+    case Unexplained::at_bound:
+      break;
+  }
+  return fmt::format("{} needs a value at the limit of what can be built ({})", best,
+                     fmt::join(parameter_words(e), "; "));
 }
 
 }  // namespace
@@ -317,15 +339,8 @@ std::vector<std::string> reason_words(const Diagnosis& d) {
     words.push_back("one cause alone fits clearly worse; measure more modes, shapes or poses");
     return words;
   }
-  constexpr double usual = 0.1;  // a larger χ² is chance one time in ten
-  if (d.scatter <= no_explanation && goodness(d, d.nominal()).frequencies.probability() >= usual)
-    words.push_back(
-        "the frequencies are those of the nominal machine, and shapes or other values are not; "
-        "check "
-        "places, signs and directions of the sensors");
-  else
-    words.push_back(misfit_text(d));
-  for (const auto& wrong : d.best().wrong) {
+  words.push_back(unexplained_text(d));
+  for (const auto& wrong : d.judged().wrong) {
     using Kind = Contradiction::Kind;
     const bool of_shape = wrong.kind == Kind::shape || wrong.kind == Kind::drives;
     const std::string_view subject = wrong.kind == Kind::value ? "" : of_shape ? "its " : "it ";

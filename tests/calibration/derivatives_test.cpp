@@ -173,6 +173,18 @@ TEST(Derivatives, OfDampingResidualsWithChambersAgreeWithHighOrderDifferences) {
        "leg.2.leakage.internal", "legs.leakage.internal", "damping.modal_ratio"});
 }
 
+/// Poles of modes whose seals are elastomers, and of which the undamped ones are up to a quarter
+/// off.
+TEST(Derivatives, OfDampedModesOfElastomersAgreeWithHighOrderDifferences) {
+  test::Random random(91);
+  expect_derivatives(test::machine_file(test::random_machine_text(random, true),
+                                        {"legs.guide_sleeve.elastomer={ dynamic_ratio = 2.17, "
+                                         "loss_factor = 0.37, frequency = 4.3 }"}),
+                     {"platform.mass", "leg.3.oil_spring.stiffness", "legs.guide_sleeve.stiffness",
+                      "legs.guide_sleeve.elastomer.dynamic_ratio",
+                      "leg.2.guide_sleeve.elastomer.loss_factor", "leg.2.oil_spring.damping"});
+}
+
 /// Six equal legs: x and y are one frequency, twice. A change of one leg parts them by the
 /// eigenvalues of G, to both sides.
 TEST(Derivatives, OfARepeatedPairArePartedByTheParameterThatSplitsIt) {

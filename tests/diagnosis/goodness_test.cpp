@@ -2,11 +2,13 @@
 
 #include "hydrapod/diagnosis/diagnose.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
+#include "hydrapod/report/measured_results.hpp"
 #include "support/binomial.hpp"
 
 namespace hydrapod::diagnosis {
@@ -44,6 +46,77 @@ TEST(Goodness, JudgesKindByKind) {
   EXPECT_NEAR(g.reduced, 33.44 / 15.0, 1e-12);
   // one degree of freedom: two tails of the normal distribution beyond 5; three kinds
   EXPECT_NEAR(g.probability, 3.0 * std::erfc(5.0 / std::sqrt(2.0)), 1e-15);
+}
+
+/// Eight frequencies of which the nominal machine misses each by 40 deviations, and a hypothesis of
+/// `causes` causes and `parameters` numbers that misses each by `off`. One of 30 candidate causes.
+Diagnosis of_eight(double off, int parameters = 1, std::size_t causes = 1) {
+  constexpr int n = 8;
+  Diagnosis d{.finding = Finding::unexplained, .values = n};
+  d.causes.resize(30);
+  d.targets.modes.resize(n);
+  d.modes.resize(n);
+  const auto add = [&](double difference, Hypothesis e) {
+    e.fit.targets.assign(n, {.difference = difference});
+    e.fit.parameters.resize(static_cast<std::size_t>(e.parameters));
+    e.misfit = n * difference * difference;
+    e.bic = e.misfit + e.parameters * std::log(n);
+    d.hypotheses.push_back(e);
+  };
+  Hypothesis hypothesis{.parameters = parameters};
+  for (std::size_t k = 0; k < causes; ++k) hypothesis.causes.push_back(k);
+  add(off, hypothesis);
+  add(40.0, {});
+  return d;
+}
+
+/// Judgement and words are one: whatever is wrong with the best hypothesis is what the reason says.
+void expect_reason(Diagnosis d, Unexplained why, const char* words) {
+  const auto found = why_unexplained(d, d.judged());
+  ASSERT_EQ(found, why);
+  d.unexplained = found;
+  EXPECT_THAT(report::reason_words(d).front(), testing::HasSubstr(words));
+}
+
+/// The nominal χ² is 12800, so that an unlisted cause has the BIC 8 (1 + ln 1600) + ln 8 = 69.1.
+/// χ² 28.9 with 7 degrees of freedom has a probability of 0.015 %, 16.0 of 2.5 %, 14.0 with 6 of
+/// 3.0 %.
+TEST(Unexplained, HasTheReasonThatTheWordsGive) {
+  EXPECT_EQ(why_unexplained(of_eight(0.7), of_eight(0.7).judged()), std::nullopt);
+  expect_reason(of_eight(2.7), Unexplained::unlisted, "no better than a change of each mode");
+  expect_reason(of_eight(1.9), Unexplained::misfit, "frequencies χ² 28.9 with 7 degrees");
+  EXPECT_EQ(why_unexplained(of_eight(1.4142), of_eight(1.4142).judged()), std::nullopt);
+  expect_reason(of_eight(1.3229, 2, 2), Unexplained::misfit, "χ² 14 with 6 degrees");
+  expect_reason(of_eight(0.7, 7), Unexplained::untested, "fits 7 numbers to 8 frequencies");
+  auto held = of_eight(0.7);
+  auto& number = held.hypotheses[0].fit.parameters[0];
+  number = {.paths = {"platform.mass"}, .unit = "kg", .verdict = calibration::Verdict::at_bound};
+  expect_reason(held, Unexplained::at_bound, "limit of what can be built (platform.mass 0 kg");
+  auto scattered = of_eight(0.7);
+  scattered.scatter = 2.31;
+  expect_reason(scattered, Unexplained::scatter, "differs from the measured values by 2.3 σ");
+}
+
+/// With the frequencies of the nominal machine only shapes are left to be wrong, unless dampings or
+/// responses are compared: leakage is in these alone.
+TEST(Unexplained, DoubtsTheShapesOnlyWhereNothingElseIsCompared) {
+  auto d = of_eight(0.7);
+  for (auto& target : d.hypotheses[1].fit.targets) target.difference = 0.9;
+  d.hypotheses[1].misfit = 12800.0;
+  d.values = 8 * 6;
+  expect_reason(d, Unexplained::shapes_only, "check places, signs and directions");
+  d.targets.modes[3].damping = 0.031;
+  EXPECT_EQ(why_unexplained(d, d.judged()), std::nullopt);
+}
+
+/// The best hypothesis has as many numbers as values: the reason is that of the best one which the
+/// values could have refuted.
+TEST(Unexplained, IsSaidOfTheBestThatValuesCouldRefute) {
+  auto d = of_eight(1.9);
+  d.hypotheses.insert(d.hypotheses.begin(), {.causes = {7}, .parameters = 8});
+  EXPECT_EQ(d.judged().causes, std::vector<std::size_t>{0});
+  d.hypotheses.resize(1);
+  EXPECT_EQ(d.judged().causes, std::vector<std::size_t>{7});
 }
 
 /// s is 1 at least, and what it comes from is not.

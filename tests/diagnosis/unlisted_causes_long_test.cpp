@@ -27,7 +27,7 @@ TEST(UnlistedCauses, AreNotBlamedOnListedParts) {
     std::cout << fmt::format("| {} | {} | {:.2g} % | {} | {:.1f} % | {} | {} |\n",
                              test.basic.machine, fmt::join(test.basic.poses, ", "),
                              100.0 * test.basic.noise, test.physics, 100.0 * result.change,
-                             verdict(result.diagnosis),
+                             result.refused.empty() ? verdict(result.diagnosis) : result.refused,
                              !result.blamed      ? "nothing"
                              : result.right_part ? "the part itself"
                                                  : "ANOTHER PART")

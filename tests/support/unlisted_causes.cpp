@@ -2,9 +2,11 @@
 
 #include <Eigen/Dense>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "diagnosis/planted_faults.hpp"
+#include "hydrapod/base/error.hpp"
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/dynamics/linear_model.hpp"
 #include "hydrapod/kinematics/legs.hpp"
@@ -52,14 +54,19 @@ Modes at_amplitude(double amplitude) {
     std::array<double, 7> amplitudes{};
     for (std::size_t k = 0; k < amplitudes.size(); ++k)
       amplitudes[k] = amplitude * std::pow(10.0, 0.5 * static_cast<double>(k) - 3.0);
-    std::vector<std::pair<double, Vector6>> found;
+    // the largest amplitude that a branch of this mode has a motion for
+    std::map<int, std::pair<std::size_t, modal::ModeAtAmplitude>> largest;
     for (const auto& curve :
-         modal::modes_at_amplitudes(machine, pose.X_BP, dynamics::ModelKind::guide, amplitudes)) {
-      const modal::ModeAtAmplitude* last = nullptr;
-      for (const auto& point : curve.points)
-        if (point.converged) last = &point;
-      if (last != nullptr) found.emplace_back(last->omega, last->shape.head<6>());
-    }
+         modal::modes_at_amplitudes(machine, pose.X_BP, dynamics::ModelKind::guide, amplitudes))
+      for (std::size_t k = 0; k < curve.points.size(); ++k) {
+        if (!curve.points[k].converged) continue;
+        const auto before = largest.find(curve.mode);
+        if (before == largest.end() || before->second.first < k)
+          largest[curve.mode] = {k, curve.points[k]};
+      }
+    std::vector<std::pair<double, Vector6>> found;
+    for (const auto& [mode, at] : largest)
+      found.emplace_back(at.second.omega, at.second.shape.head<6>());
     std::ranges::sort(found, {}, [](const auto& mode) { return mode.first; });
     const auto count = static_cast<Eigen::Index>(found.size());
     PoseModes all{.pose = pose.name,
@@ -414,6 +421,7 @@ std::vector<UnlistedCase> unlisted_cases() {
         }
         stand = std::ranges::all_of(some, stands);
       }
+      std::erase_if(some, [](const auto& one) { return !stands(one); });
       for (auto& one : some) {
         one.basic.repetition = 5000 + static_cast<int>(all.size());
         all.push_back(std::move(one));
@@ -438,8 +446,13 @@ UnlistedResult run_unlisted(const UnlistedCase& test) {
       poses, modal::modal_ratio(design.machine).value,
       {.frequency = test.basic.noise, .shape = std::min(0.05, 30.0 * test.basic.noise)}, random);
   if (test.misread) test.misread(measured);
-  result.diagnosis =
-      diagnosis::diagnose(design, measured, dynamics::ModelKind::guide, design.machine.poses);
+  try {
+    result.diagnosis =
+        diagnosis::diagnose(design, measured, dynamics::ModelKind::guide, design.machine.poses);
+  } catch (const base::InputError& error) {
+    result.refused = error.diagnostics().front().message;
+    return result;
+  }
   const auto& d = result.diagnosis;
   result.blamed =
       d.finding == diagnosis::Finding::identified || d.finding == diagnosis::Finding::undecided;

@@ -28,7 +28,8 @@ struct UnlistedCase {
 
 struct UnlistedResult {
   diagnosis::Diagnosis diagnosis{};
-  double change{};    ///< the largest relative change of a frequency
+  std::string refused{};  ///< why there is no diagnosis: more modes than the machine has
+  double change{};        ///< the largest relative change of a frequency
   bool blamed{};      ///< a candidate cause is identified, or several are said to explain the data
   bool right_part{};  ///< all that is blamed is of `same_parts`
 };

@@ -1,19 +1,19 @@
 #pragma once
-/// Which part is guilty: every cause, alone and in pairs, fitted to the modes that were measured.
+/// Which part is the cause: every cause, alone and in pairs, fitted to the measured modes.
 ///
-/// A hypothesis is the machine as stated with none, one or two causes let free; beside them
-/// stands the rigid calculation, with legs that do not bend. Hypotheses are ranked by
+/// A hypothesis is the nominal machine with none, one or two causes let free; beside them
+/// stands the rigid-leg model. Hypotheses are ranked by
 ///
 ///     BIC = misfit/s² + k ln n + 2 ln C(N, m)
 ///
 /// misfit: Σ (difference/deviation)² over the n measured values, of modes and responses; k: numbers
-/// fitted; m of N causes are blamed (Bayesian information BIC with known deviations, and a
+/// fitted; m of N causes are in it (Bayesian information BIC with known deviations, and a
 /// prior that gives every number of causes the same odds: with many causes one of them fits
 /// noise by chance); s ≥ 1: by what the deviations are too small, from the hypothesis that fits
 /// best for its number of parameters. Two that differ by less than `same` cannot be told apart by
-/// the data, and nothing is blamed unless it beats the machine as stated by more than that. As many
-/// numbers as there are values explain any values: a hypothesis with so many neither is blamed nor
-/// says how exact the data are. Theory: docs/theory/diagnosis.md.
+/// the data, and no cause is identified unless it beats the nominal machine by more than that. As
+/// many numbers as there are values explain any values: a hypothesis with so many is neither
+/// identified nor says how exact the data are. Theory: docs/theory/diagnosis.md.
 ///
 /// First resonances of a machine beside those of the rigid-leg model.
 ///
@@ -22,7 +22,7 @@
 /// To add a cause, add its Kind and its maker in src/diagnosis/causes.cpp, and its words in
 /// src/report/diagnosis_words.cpp.
 ///
-/// How much of each drop below the rigid calculation belongs to which compliance.
+/// Shares of the compliances in each drop below the rigid-leg model.
 ///
 /// Each part is made rigid alone (seals a million times stiffer; gimbals and mount that do not give
 /// way) and the modes are computed again, gravity and preload included. Shares need not sum to one:
@@ -53,15 +53,30 @@
 
 namespace hydrapod::diagnosis {
 
-/// The machine whose base stands still, whose gimbals do not give way and whose payload is rigid:
-/// with its rigid model it is the rigid calculation.
+/// The machine whose base stands still and whose gimbals and payload are rigid:
+/// with its rigid model it is the rigid-leg model.
 model::Machine without_mount_and_gimbals(model::Machine machine);
 
-/// A rigid mode stands for the direction in which it mostly moves the platform. Its first resonance
-/// in the real machine is the lowest mode that holds a tenth of it (MAC) or more: with soft seals x
-/// and y have two resonances each, and the lower one is what users see.
+/// Least share (MAC) of a rigid mode in a mode that is compared with it.
 inline constexpr double resonance_mac = 0.1;
 
+struct ResonanceOptions {
+  /// share ≥ of_largest × the largest share: the mode is a resonance of this direction. At equal
+  /// damping ratios a peak is as high as share/ω², so that a lower mode with half of the largest
+  /// share has at least half of the highest peak.
+  double of_largest{0.5};
+};
+
+/// A mode that holds a share of a rigid mode.
+struct SharedMode {
+  int mode{};      ///< index of the flexible mode
+  double omega{};  ///< [rad/s]
+  double mac{};    ///< how much of the rigid mode is in it; modes that repeat are counted together
+};
+
+/// A rigid mode stands for the direction in which it mostly moves the platform. With soft seals
+/// several modes share it. Its first resonance is the lowest of those that hold at least
+/// ResonanceOptions::of_largest of what the mode holds that holds most of it.
 struct FirstResonance {
   std::string direction{};  ///< "x", "ry + x"
   int main_direction{};     ///< 0…5, x … rz
@@ -70,18 +85,21 @@ struct FirstResonance {
   int mode{};               ///< index of the flexible mode
   double omega{};           ///< [rad/s]
   double mac{};             ///< how much of the rigid mode is in it
+  /// Of the modes below that hold resonance_mac or more, the one that holds most.
+  std::optional<SharedMode> below{};
   /// 1 − ω/ω_rigid; negative where the seals lie below and push the mode up.
   [[nodiscard]] double drop() const { return 1.0 - omega / omega_rigid; }
 };
 
-/// One per rigid mode, in their order. Throws base::ComputationError where the machine has no
-/// equilibrium.
+/// One per rigid mode, in their order; ω and MAC are 0 where the legs fold. Throws
+/// base::ComputationError where the machine has no equilibrium.
 std::array<FirstResonance, 6> first_resonances(const model::Machine& machine,
-                                               const spatial::Pose& X_BP, dynamics::ModelKind kind);
+                                               const spatial::Pose& X_BP, dynamics::ModelKind kind,
+                                               const ResonanceOptions& options = {});
 
 using spatial::direction_name;
 
-/// What gives way or is wrong. Two causes of one family are tried together only for two legs.
+/// What is compliant or wrong. Two causes of one family are tried together only for two legs.
 enum class Family {
   guide_sleeves,
   piston_rings,
@@ -91,7 +109,9 @@ enum class Family {
   base,
   oil_lines,
   leakage,
-  payload_modes
+  payload_modes,
+  bending,
+  elastomers
 };
 
 struct Cause {
@@ -113,10 +133,13 @@ struct Cause {
     base_vertical,
     base_rocking,
     oil_lines,
-    leakage,         ///< past the pistons; of machines whose linear models have chambers
-    payload_sways,   ///< a part of the payload that the file has as rigid swings along x and y
-    payload_heaves,  ///< the same along z
-    payload_modes    ///< modes of the payload that the file states: their frequencies
+    leakage,          ///< past the pistons; of machines whose linear models have chambers
+    payload_sways,    ///< a part of the payload that the file has as rigid swings along x and y
+    payload_heaves,   ///< the same along z
+    payload_modes,    ///< modes of the payload that the file states: their frequencies
+    rods_bend,        ///< more or less than stated, where rods and cases bend
+    elastomer_ratio,  ///< dynamic over static stiffness of the guide sleeves' elastomers
+    elastomer_loss    ///< their loss factor
   };
   Kind kind{};
   std::optional<int> leg{};  ///< 0…5; none: all legs, or no leg at all
@@ -127,14 +150,15 @@ struct Cause {
   /// The model with piston rings.
   [[nodiscard]] bool needs_rings() const { return kind == Kind::piston_rings; }
   /// Tried in pairs. Off for those that another one stands for (air and gimbals change the same
-  /// springs as the bulk modulus, only otherwise from pose to pose).
+  /// springs as the bulk modulus, rods that bend and elastomers the same as the guide sleeves, only
+  /// otherwise from pose to pose or from frequency to frequency).
   [[nodiscard]] bool in_pairs() const;
 };
 
 /// All causes of a machine.
 std::vector<Cause> causes_of(const model::MachineFile& file);
 
-/// Can both be guilty at once, and are they worth being tried together?
+/// Can both be the cause at once, and are they worth being tried together?
 bool can_be_together(const Cause& a, const Cause& b);
 
 /// Difference of the BIC up to which hypotheses count as equally good (odds of 20 : 1).
@@ -149,8 +173,8 @@ inline constexpr double no_explanation = 2.0, another_machine = 5.0;
 struct DiagnoseOptions {
   double frequency_error{2e-3};  ///< of ω, relative
   double shape_error{0.05};      ///< of a shape scaled to unit kinetic energy of the platform
-  /// Use dampings too. Off unless asked for: valves and controller damp a machine at work, and the
-  /// dampers in a machine file are rarely known.
+  /// Use damping ratios too. Off unless asked for: valves and controller damp a machine at work,
+  /// and the dampers in a machine file are rarely known.
   bool damping{};
   double damping_error{0.3};  ///< of ζ, relative
   /// Use measured responses too; see responses.hpp.
@@ -190,7 +214,7 @@ struct Contradiction {
 /// None, one or two causes, fitted.
 struct Hypothesis {
   std::vector<std::size_t> causes{};  ///< indices into Diagnosis::causes
-  bool rigid{};                       ///< the rigid calculation
+  bool rigid{};                       ///< the rigid-leg model
   dynamics::ModelKind kind{};
   std::vector<model::Assignment> changes{};  ///< what it needs before its parameters
   int parameters{};
@@ -199,26 +223,36 @@ struct Hypothesis {
   calibration::Candidate fit{};
   /// Fitted to modes as mechanics alone: what was measured cannot be had of this machine, or it is
   /// far from the best. Frequencies of the plant or the system are then times the ratio of
-  /// mechanics to it of the machine as stated.
+  /// mechanics to it of the nominal machine.
   bool by_mechanics{};
   std::vector<Contradiction> wrong{};  ///< worst first
 
   /// Its parameters started at the values of the file.
   bool from_nominal{true};
-  /// At which entrained air is compressed [Pa]; none: air is not blamed.
+  /// At which entrained air is compressed [Pa]; none: air is no candidate.
   std::optional<double> air_pressure{};
   /// Part of the misfit that comes from responses.
   [[nodiscard]] double response_misfit() const;
 };
 
 enum class Finding {
-  nothing_to_blame,  ///< the rigid calculation explains what was measured
+  nothing_to_blame,  ///< the rigid-leg model explains the measurement
   nominal,           ///< the machine is as its file says, with the compliances stated there
   identified,        ///< one hypothesis stands out
   undecided,         ///< several explain it equally well
   unexplained,       ///< nothing in the list explains it; the best one says what it misses
   do_not_belong,     ///< machine and data do not belong together; so do `objections`, if any
   cannot_tell        ///< only hypotheses with as many numbers as values explain it
+};
+
+/// Why a hypothesis does not explain what was measured; the first that holds.
+enum class Unexplained {
+  scatter,      ///< s > no_explanation: even the best differs by more than deviations allow
+  shapes_only,  ///< frequencies are those of the nominal machine, shapes are not: sensors
+  unlisted,     ///< no better than a cause that is no candidate
+  misfit,       ///< a χ² too large for its degrees of freedom
+  untested,     ///< too many numbers for the measured frequencies
+  at_bound      ///< a number at its bound
 };
 
 /// Fewer measured modes or directions say nothing.
@@ -243,7 +277,7 @@ struct Objection {
 /// Mechanics was compared instead of the system that was measured.
 struct Substitution {
   observation::Observed measured{};
-  std::string error{};  ///< of the machine as stated with its hydraulics; empty: too few modes
+  std::string error{};  ///< of the nominal machine with its hydraulics; empty: too few modes
 };
 
 /// A measured mode, and where the best hypothesis says that it comes from.
@@ -251,9 +285,9 @@ struct MeasuredMode {
   std::string pose{};
   int direction{-1};                    ///< 0…5; −1: not said
   double omega{}, deviation{};          ///< as used [rad/s]
-  double omega_stated{}, omega_best{};  ///< of the machine as stated, of the best hypothesis
+  double omega_stated{}, omega_best{};  ///< of the nominal machine, of the best hypothesis
   double shape_mac{};                   ///< with the best hypothesis; 0 without a shape
-  double omega_rigid{};  ///< mode of the rigid calculation of which it holds most; 0: none
+  double omega_rigid{};  ///< mode of the rigid-leg model of which it holds most; 0: none
   double rigid_mac{};
   /// What the mode of the best hypothesis mostly does, where that contradicts `direction`; else −1.
   int mode_direction{-1};
@@ -285,9 +319,13 @@ struct Diagnosis {
   std::vector<MeasuredMode> modes{};  ///< one per target
   int values{};                       ///< n
   double scatter{1.0};                ///< s
+  /// Why judged() explains nothing; of the findings unexplained and do_not_belong.
+  std::optional<Unexplained> unexplained{};
   bool interrupted{};
 
   [[nodiscard]] const Hypothesis& best() const { return hypotheses.front(); }
+  /// The best of those with fewer numbers than values; best() where all have as many.
+  [[nodiscard]] const Hypothesis& judged() const;
   [[nodiscard]] const Hypothesis& nominal() const;
 };
 
@@ -298,7 +336,7 @@ model::Machine machine_of(const model::MachineFile& file, const Hypothesis& hypo
 
 /// `poses`: where measurements could be made, for discriminators. `progress`: share of the work
 /// done; true asks to stop with what there is. Throws base::InputError for poses that the machine
-/// does not have, and base::ComputationError when the machine as stated has no modes.
+/// does not have, and base::ComputationError when the nominal machine has no modes.
 Diagnosis diagnose(const model::MachineFile& file, const observation::Targets& measured,
                    dynamics::ModelKind kind, const std::vector<model::NamedPose>& poses,
                    const DiagnoseOptions& options = {}, const numerics::Progress& progress = {});
@@ -325,7 +363,7 @@ struct AttributedDrop {
 std::vector<AttributedDrop> attribute_drops(const model::Machine& machine,
                                             const spatial::Pose& X_BP, dynamics::ModelKind kind);
 
-/// What is wanted: a frequency, or a largest drop below the rigid calculation; one of the two.
+/// What is wanted: a frequency, or a largest drop below the rigid-leg model; one of the two.
 struct RemedyGoal {
   std::optional<double> omega{};   ///< [rad/s] the first resonance must reach
   std::optional<double> drop{};    ///< 0.02: at most 2 % below rigid
@@ -374,13 +412,13 @@ Remedy find_remedy(const model::Machine& machine, const std::vector<model::Named
 std::vector<model::NamedPose> workspace_poses(const model::Machine& machine);
 
 /// All that `hydrapod diagnose` finds out. Attribution and remedy are of the machine that explains
-/// the measurement best, of the machine as stated where nothing was measured or rigid legs explain
+/// the measurement best, of the nominal machine where nothing was measured or rigid legs explain
 /// it.
 struct CaseFile {
   std::optional<Diagnosis> diagnosis{};
   model::Machine machine{};  ///< the one that attribution and remedy are of
-  bool fitted{};             ///< it is the best hypothesis, not the machine as stated
-  double nominal_sleeve{};   ///< of the stiffest leg of the machine as stated [N/m]
+  bool fitted{};             ///< it is the best hypothesis, not the nominal machine
+  double nominal_sleeve{};   ///< of the stiffest leg of the nominal machine [N/m]
   dynamics::ModelKind kind{};
   std::string pose{};  ///< of the attribution
   std::vector<AttributedDrop> drops{};
@@ -388,12 +426,6 @@ struct CaseFile {
   std::optional<Remedy> remedy{};
 };
 
-/// Does a hypothesis explain what was measured, by the deviations stated? The kinds of values are
-/// judged one by one, so that many values of one kind, well met, do not hide that another is
-/// missed: frequencies with n_f − k degrees of freedom (they determine the k numbers for the most
-/// part), shapes and damping ratios, responses. Of each kind the probability is that of a χ² as
-/// large or larger; `probability` is the least of them times the number of kinds (Bonferroni), at
-/// most 1. Theory: docs/theory/diagnosis.md.
 struct ChiSquared {
   double sum{};   ///< Σ (difference/deviation)²
   int values{};   ///< that it is of
@@ -403,6 +435,12 @@ struct ChiSquared {
   [[nodiscard]] double probability() const;
 };
 
+/// Does a hypothesis explain what was measured, by the deviations stated? The kinds of values are
+/// judged one by one, so that many values of one kind, well met, do not hide that another is
+/// missed: frequencies with n_f − k degrees of freedom (they determine the k numbers for the most
+/// part), shapes and damping ratios, responses. Of each kind the probability is that of a χ² as
+/// large or larger; `probability` is the least of them times the number of kinds (Bonferroni), at
+/// most 1. Theory: docs/theory/diagnosis.md.
 struct Goodness {
   ChiSquared frequencies{}, shapes{}, responses{};
   double reduced{};  ///< misfit over values − numbers, 0 where there are no more values
@@ -410,6 +448,9 @@ struct Goodness {
 };
 
 Goodness goodness(const Diagnosis& d, const Hypothesis& hypothesis);
+
+/// None: it explains what was measured. Called on ranked hypotheses.
+std::optional<Unexplained> why_unexplained(const Diagnosis& d, const Hypothesis& hypothesis);
 
 /// probability < least_probability: the hypothesis does not explain the data, and nothing is
 /// identified by it. Of a pair of causes five times as much is asked: it is the best of some
@@ -430,8 +471,8 @@ inline constexpr double usual_frequencies = 0.1;
 ///     Σ over kinds  n (1 + ln(χ²/n)) + ln(all values)   where χ² > n, else χ²
 ///
 /// with χ² of the nominal machine (the least over n and 1 + ln of Σ [d²/(1 + τ²) + ln(1 + τ²)], d
-/// in deviations). A candidate that does not beat it by more than `same` explains no more than
-/// chance does.
+/// in deviations). A candidate that does not beat it by more than over_unlisted explains no
+/// more than chance does.
 double unlisted_bic(const Diagnosis& d);
 
 /// s² as it comes out, below 1 too: where deviations are right about 1, where the model is better
