@@ -106,14 +106,7 @@ void one_at_a_time(benchmark::State& state, bool gravity) {
 BENCHMARK_CAPTURE(one_at_a_time, designs, false);
 BENCHMARK_CAPTURE(one_at_a_time, designs_gravity, true);
 
-/// Rows of `hydrapod montecarlo` with the guide sleeves varied per leg, files excluded.
-void rows(benchmark::State& state, bool gravity) {
-  model::MachineFile file;
-  file.machine = published(gravity);
-  const auto inputs =
-      study::read_variation(file, "legs.guide_sleeve.stiffness", "normal ± 3 % per leg", "");
-  const auto problem = study::machine_problem(
-      file.machine, inputs, {.kind = ModelKind::guide, .X_BP = file.machine.neutral()});
+void evaluate(benchmark::State& state, const study::Problem& problem) {
   study::Evaluator evaluator(problem);
   constexpr std::size_t count = 64;
   std::vector<double> numbers(count * (problem.inputs.size() + problem.outputs.size()));
@@ -123,6 +116,17 @@ void rows(benchmark::State& state, bool gravity) {
       state.SkipWithError("a row had to be computed alone");
     first += count;
   }
+}
+
+/// Rows of `hydrapod montecarlo` with the guide sleeves varied per leg, files excluded.
+void rows(benchmark::State& state, bool gravity) {
+  model::MachineFile file;
+  file.machine = published(gravity);
+  const auto inputs =
+      study::read_variation(file, "legs.guide_sleeve.stiffness", "normal ± 3 % per leg", "");
+  const auto problem = study::machine_problem(
+      file.machine, inputs, {.kind = ModelKind::guide, .X_BP = file.machine.neutral()});
+  evaluate(state, problem);
 }
 BENCHMARK_CAPTURE(rows, study, false);
 BENCHMARK_CAPTURE(rows, study_gravity, true);
@@ -136,15 +140,7 @@ void poses(benchmark::State& state) {
         {.name = name, .distribution = {.shape = study::Shape::uniform, .a = -reach, .b = reach}});
   const auto problem = study::machine_problem(
       machine, inputs, {.kind = ModelKind::guide, .X_BP = machine.neutral(), .poses = true});
-  study::Evaluator evaluator(problem);
-  constexpr std::size_t count = 64;
-  std::vector<double> numbers(count * (problem.inputs.size() + problem.outputs.size()));
-  std::uint64_t first = 0;
-  while (state.KeepRunningBatch(count)) {
-    if (evaluator.rows({.samples = 1U << 30U}, first, numbers) > 0)
-      state.SkipWithError("a row had to be computed alone");
-    first += count;
-  }
+  evaluate(state, problem);
 }
 BENCHMARK(poses);
 

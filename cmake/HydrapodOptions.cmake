@@ -10,8 +10,15 @@ target_compile_options(hydrapod_options INTERFACE
 # gcc's garbage collector takes a tenth of the time to compile a file; few files here need a GB.
 set(few_collections
   "$<$<COMPILE_LANG_AND_ID:CXX,GNU>:--param=ggc-min-heapsize=1000000>")
+# Vectors in structs are copied whole: in halves, as gcc does on many processors, whoever reads them next
+# waits for both. A row of a study takes a third longer then.
+include(CheckCXXCompilerFlag)
+check_cxx_compiler_flag(-mmove-max=512 HYDRAPOD_MOVE_MAX)
+if(HYDRAPOD_MOVE_MAX)
+  set(hydrapod_whole_vectors -mmove-max=512 -mstore-max=512)
+endif()
 if(HYDRAPOD_NATIVE)
-  target_compile_options(hydrapod_options INTERFACE -march=native)
+  target_compile_options(hydrapod_options INTERFACE -march=native ${hydrapod_whole_vectors})
 endif()
 # Hardened as Debian's packages are (dpkg-buildflags hardening=+all), and with the checks of libstdc++'s
 # containers; tests/cli/hardening_test.cpp reads the binary. Sanitizers see more than all of these.

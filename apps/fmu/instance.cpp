@@ -5,7 +5,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "hydrapod/model/validation.hpp"
+#include "hydrapod/model/machine_file.hpp"
 
 namespace hydrapod::fmu {
 

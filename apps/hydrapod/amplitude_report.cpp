@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <tuple>
 
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/base/units.hpp"
@@ -155,7 +156,8 @@ std::string amplitudes_text(const tasks::Machine& machine, const report::ModesAt
   std::string text = heading(machine, style) + "\n" + table.text(style);
   text +=
       "\nHarmonic balance, one mode at a time. The amplitude is that of the platform joint that "
-      "moves most.\nChange: against motions of a thousandth of the first amplitude. Sleeve, "
+      "moves most, against the base.\nChange: against motions of a thousandth of the first "
+      "amplitude. Sleeve, "
       "piston: largest amplitudes of the legs.\n";
   if (several)
     text +=
@@ -163,6 +165,17 @@ std::string amplitudes_text(const tasks::Machine& machine, const report::ModesAt
         "amplitude several times. The lowest frequency is first.\n";
   if (lost) text += "–: no branch of this mode has this amplitude.\n";
   if (!notes.empty()) text += "\nWhere branches end:\n" + notes;
+  if (std::ranges::any_of(machine.file.machine.legs, [](const model::Leg& leg) {
+        const auto& [friction, joints] =
+            std::tie(leg.hydraulics.friction, leg.hydraulics.joint_friction);
+        return (friction.coulomb && *friction.coulomb > 0.0 && !friction.bristles) ||
+               (joints.coulomb > 0.0 && !joints.bristle_stiffness);
+      }))
+    text +=
+        "Mind: friction without bristles follows a smooth law, whose damping at small amplitudes "
+        "is "
+        "a property of that law and not of the machine (`friction.bristles`, "
+        "`joint_friction.bristle_stiffness`).\n";
   if (std::ranges::none_of(machine.file.machine.legs, [](const model::Leg& leg) {
         return leg.guide_sleeve.gap || leg.guide_sleeve.elastomer ||
                (leg.piston_ring && leg.piston_ring->elastomer) || leg.hydraulics.friction.coulomb ||

@@ -68,6 +68,13 @@ std::string attached_text(const tasks::Attached& attached, const TableStyle& sty
     text +=
         fmt::format("modes from {:.4g} Hz on are left out: their mass moves with the platform\n",
                     payload.first_left_out / base::two_pi);
+  constexpr double notable = 0.05;
+  if (payload.coupling.share > notable)
+    text += fmt::format(
+        "Mind: the damping matrix couples the modes at {:.4g} Hz and {:.4g} Hz, and the file has "
+        "dampers of single modes alone; their damping ratios are not those of the structure\n",
+        std::min(payload.coupling.omega, payload.coupling.other) / base::two_pi,
+        std::max(payload.coupling.omega, payload.coupling.other) / base::two_pi);
   return text;
 }
 

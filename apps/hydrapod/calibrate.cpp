@@ -98,10 +98,10 @@ void run(const Arguments& arguments) {
   });
   print_diagnostics(found.warnings);
   base::write_file_whole(
-      "-", format == 0
-               ? machine.file.machine.name + "\n" + state_line(machine.file) + "\n" +
-                     calibration_text(found.result, found.targets, found.profiles, table_style("-"))
-               : calibration_json(machine, found));
+      "-", format == 0 ? machine.file.machine.name + "\n" + state_line(machine.file) + "\n" +
+                             calibration_text(found.result, found.targets, found.profiles,
+                                              machine.file.text, table_style("-"))
+                       : calibration_json(machine, found));
   if (!arguments.output.empty())
     write_output(arguments.output, calibration::calibrated_text(machine.file, found.result.best()));
   draw(arguments.plot,
@@ -152,6 +152,7 @@ void add_calibrate(Command app) {
        {"--format", arguments.format, "Report as table or json"},
        {"--plot", arguments.plot, "Picture of targets and model to write: .svg, .png or .pdf",
         writes}});
+  command.add_extent_options();
 }
 
 }  // namespace hydrapod::cli

@@ -58,8 +58,8 @@ std::string targets_text(const Candidate& best, const Targets& targets, const Ta
                                    [](const ModeTarget& t) { return t.damping.has_value(); });
   const bool shapes = std::any_of(targets.modes.begin(), targets.modes.end(),
                                   [](const ModeTarget& t) { return t.shape.has_value(); });
-  std::vector<Column> columns{"<target",  "<pose",      "mode",  "target Hz",
-                              "model Hz", "diff rad/s", "diff σ"};
+  std::vector<Column> columns{"<target",  "<pose",   "mode",  "target Hz",
+                              "model Hz", "diff Hz", "diff σ"};
   if (damping) columns.insert(columns.end(), {"target ζ %", "model ζ %"});
   if (shapes) columns.push_back("MAC");
   columns.push_back("<");
@@ -72,7 +72,7 @@ std::string targets_text(const Candidate& best, const Targets& targets, const Ta
                                  fmt::format("{}", fit.mode + 1),
                                  hertz(target.omega, 4),
                                  hertz(fit.omega, 4),
-                                 fmt::format("{:+.4f}", fit.omega - target.omega),
+                                 fmt::format("{:+.4f}", (fit.omega - target.omega) / two_pi),
                                  fmt::format("{:+.2f}", fit.difference)};
     if (damping) {
       row.push_back(target.damping ? fmt::format("{:.3g}", 100.0 * *target.damping) : "");
@@ -85,20 +85,30 @@ std::string targets_text(const Candidate& best, const Targets& targets, const Ta
   return bold("Targets", style) + "\n" + table.text(style);
 }
 
-std::string interval_text(const FittedParameter& p) {
-  if (!std::isfinite(p.interval_high) || !std::isfinite(p.interval_low)) return "";
-  return fmt::format("{:.4g} … {:.4g}", p.interval_low, p.interval_high);
+/// As the machine file writes the number; in SI where it does not.
+model::WrittenUnit unit_of(const FittedParameter& p, const std::string& machine_text) {
+  auto unit = model::written_unit(machine_text, p.paths.front(), p.unit);
+  if (unit.name.empty() && p.unit != "1") unit.name = p.unit;
+  return unit;
 }
 
-std::string parameters_text(const Candidate& best, const TableStyle& style) {
+std::string interval_text(const FittedParameter& p, double size) {
+  if (!std::isfinite(p.interval_high) || !std::isfinite(p.interval_low)) return "";
+  return fmt::format("{:.4g} … {:.4g}", p.interval_low / size, p.interval_high / size);
+}
+
+std::string parameters_text(const Candidate& best, const std::string& machine_text,
+                            const TableStyle& style) {
   Table table({"<parameter", "start", "value", "<unit", "± ", "95 % interval", "<"});
   for (const auto& p : best.parameters) {
+    const auto unit = unit_of(p, machine_text);
     const bool known = p.verdict == calibration::Verdict::determined ||
                        p.verdict == calibration::Verdict::by_prior;
-    table.add_row({fmt::format("{}", fmt::join(p.paths, " = ")), fmt::format("{:.4g}", p.start),
-                   fmt::format("{:.6g}", p.value), p.unit == "1" ? "" : p.unit,
-                   known ? fmt::format("{:.2g}", p.deviation) : "", known ? interval_text(p) : "",
-                   report::verdict_word(p.verdict)});
+    table.add_row({fmt::format("{}", fmt::join(p.paths, " = ")),
+                   fmt::format("{:.4g}", p.start / unit.size),
+                   fmt::format("{:.6g}", p.value / unit.size), unit.name,
+                   known ? fmt::format("{:.2g}", p.deviation / unit.size) : "",
+                   known ? interval_text(p, unit.size) : "", report::verdict_word(p.verdict)});
   }
   return bold("Parameters", style) + "\n" + table.text(style);
 }
@@ -161,20 +171,22 @@ std::string identifiability_text(const Candidate& best, const TableStyle& style)
 }
 
 std::string profiles_text(const std::vector<Profile>& profiles, const Candidate& best,
-                          const TableStyle& style) {
+                          const std::string& machine_text, const TableStyle& style) {
   std::string text;
   for (const auto& profile : profiles) {
     const auto& p = best.parameters[static_cast<std::size_t>(profile.parameter)];
-    const auto end = [](double value) {
-      return std::isfinite(value) ? fmt::format("{:.5g}", value)
+    const auto unit = unit_of(p, machine_text);
+    const auto end = [&](double value) {
+      return std::isfinite(value) ? fmt::format("{:.5g}", value / unit.size)
                                   : std::string("no limit within its bounds");
     };
     text += "\n" + bold("Profile of " + p.paths.front(), style) + "\n";
     text +=
         fmt::format("95 %: from {} to {}\n", end(profile.interval_low), end(profile.interval_high));
-    Table table({{p.unit == "1" ? "value" : p.unit}, "misfit"});
+    Table table({{unit.name.empty() ? "value" : unit.name}, "misfit"});
     for (const auto& point : profile.points)
-      table.add_row({fmt::format("{:.6g}", point.value), fmt::format("{:.4g}", point.misfit)});
+      table.add_row(
+          {fmt::format("{:.6g}", point.value / unit.size), fmt::format("{:.4g}", point.misfit)});
     text += table.text(style);
   }
   return text;
@@ -183,16 +195,17 @@ std::string profiles_text(const std::vector<Profile>& profiles, const Candidate&
 }  // namespace
 
 std::string calibration_text(const Calibration& result, const Targets& targets,
-                             const std::vector<Profile>& profiles, const TableStyle& style) {
+                             const std::vector<Profile>& profiles, const std::string& machine_text,
+                             const TableStyle& style) {
   const auto& best = result.best();
   std::string text;
   if (!targets.title.empty()) text += bold(targets.title, style) + "\n\n";
   text += combinations_text(result, style);
   if (result.candidates.size() > 1) text += "Below: " + best.name + "\n\n";
   text += targets_text(best, targets, style) + "\n";
-  text += parameters_text(best, style) + "\n";
-  text += identifiability_text(best, style);
-  text += profiles_text(profiles, best, style);
+  text += parameters_text(best, machine_text, style) + "\n";
+  text += style.detail(identifiability_text(best, style));
+  text += style.detail(profiles_text(profiles, best, machine_text, style));
   const auto remarks = report::calibration_remarks(result, targets);
   if (!remarks.empty()) text += "\n" + bold("Mind", style) + "\n";
   for (const auto& remark : remarks) text += "  - " + remark + "\n";
@@ -217,7 +230,7 @@ std::string sensitivity_text(const Sensitivities& s, const TableStyle& style) {
     std::vector<std::string> row{s.parameters[static_cast<std::size_t>(j)].path};
     for (Eigen::Index k = 0; k < s.omega.size(); ++k) {
       const double value = s.percent_per_percent(k, j);
-      row.push_back(std::isnan(value)        ? "buckled"
+      row.push_back(std::isnan(value)        ? (s.omega[k] > 0.0 ? "overdamped" : "buckled")
                     : std::abs(value) < 5e-5 ? "·"
                                              : fmt::format("{:+.4f}", value));
     }

@@ -1,6 +1,7 @@
 #include "hydrapod/command.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 
 #include "hydrapod/base/error.hpp"
@@ -31,25 +32,82 @@ std::string offset_text(const report::LegCheck& leg) {
   return text;
 }
 
-std::string leg_table(const report::PoseCheck& check, const TableStyle& style) {
-  constexpr double degrees = 180.0 / std::numbers::pi;
-  Table table({"leg", "length mm", "piston mm", "guided mm", "stroke left in/out mm",
-               "oil spring N/µm", "axial force N", "pressures bar", "static tilt mrad",
-               "offset sleeve/ring (gap) mm", "joint tilt base/platform °"});
-  for (int i = 0; i < model::leg_count; ++i) {
-    const auto& leg = check.legs[i];
-    table.add_row(
-        {fmt::format("{}", i + 1), fmt::format("{:.1f}", 1e3 * leg.length),
-         fmt::format("{:.1f}", 1e3 * leg.piston), fmt::format("{:.1f}", 1e3 * leg.guided_length),
-         optional_text(leg.retract_left) + " / " + optional_text(leg.extend_left),
-         fmt::format("{:.3f}", 1e-6 * leg.oil_stiffness),
-         check.equilibrium ? fmt::format("{:.0f}", leg.axial_force) : "–",
-         leg.cap_pressure
+/// "12.3 (40)": what the motor holds, and its limit.
+std::string torque_text(const report::LegCheck& leg) {
+  if (!leg.holding_torque) return "–";
+  return leg.torque_limit ? fmt::format("{:.2f} ({:.4g})", *leg.holding_torque, *leg.torque_limit)
+                          : fmt::format("{:.2f}", *leg.holding_torque);
+}
+
+std::string pressures_text(const report::LegCheck& leg) {
+  return leg.cap_pressure
              ? fmt::format("{:.1f} / {:.1f}", 1e-5 * *leg.cap_pressure, 1e-5 * *leg.rod_pressure)
-             : "–",
-         check.equilibrium ? fmt::format("{:.2f}", 1e3 * leg.tilt) : "–",
-         check.equilibrium ? offset_text(leg) : "–",
-         fmt::format("{:.1f} / {:.1f}", leg.base_tilt * degrees, leg.platform_tilt * degrees)});
+             : "–";
+}
+
+/// What the table of legs of a type says of each.
+struct LegColumn {
+  const char* title;
+  std::string (*cell)(const report::LegCheck& leg, bool equilibrium);
+};
+
+std::vector<LegColumn> leg_columns(model::LegType type) {
+  using Leg = report::LegCheck;
+  using model::LegType;
+  std::vector<LegColumn> columns{
+      {"length mm", [](const Leg& leg, bool) { return fmt::format("{:.1f}", 1e3 * leg.length); }}};
+  const auto add = [&](const char* title, std::string (*cell)(const Leg&, bool)) {
+    columns.push_back({title, cell});
+  };
+  if (type != LegType::strut) {
+    add("piston mm", [](const Leg& leg, bool) { return fmt::format("{:.1f}", 1e3 * leg.piston); });
+    add("guided mm",
+        [](const Leg& leg, bool) { return fmt::format("{:.1f}", 1e3 * leg.guided_length); });
+    add("stroke left in/out mm", [](const Leg& leg, bool) {
+      return optional_text(leg.retract_left) + " / " + optional_text(leg.extend_left);
+    });
+  }
+  add(type == LegType::strut   ? "strut N/µm"
+      : type == LegType::screw ? "screw N/µm"
+                               : "oil spring N/µm",
+      [](const Leg& leg, bool) { return fmt::format("{:.3f}", 1e-6 * leg.oil_stiffness); });
+  add("axial force N", [](const Leg& leg, bool rests) {
+    return rests ? fmt::format("{:.0f}", leg.axial_force) : std::string("–");
+  });
+  if (type == LegType::cylinder)
+    add("pressures bar", [](const Leg& leg, bool) { return pressures_text(leg); });
+  if (type == LegType::screw) {
+    add("torque at rest (limit) N m", [](const Leg& leg, bool) { return torque_text(leg); });
+    add("largest force kN", [](const Leg& leg, bool) {
+      return leg.torque_limit ? fmt::format("{:.2f}", 1e-3 * leg.largest_push) : std::string("–");
+    });
+    add("largest speed mm/s",
+        [](const Leg& leg, bool) { return optional_text(leg.largest_speed); });
+  }
+  if (type != LegType::strut) {
+    add("static tilt mrad", [](const Leg& leg, bool rests) {
+      return rests ? fmt::format("{:.2f}", 1e3 * leg.tilt) : std::string("–");
+    });
+    add("offset sleeve/ring (gap) mm",
+        [](const Leg& leg, bool rests) { return rests ? offset_text(leg) : std::string("–"); });
+  }
+  add("joint tilt base/platform °", [](const Leg& leg, bool) {
+    constexpr double degrees = 180.0 / std::numbers::pi;
+    return fmt::format("{:.1f} / {:.1f}", leg.base_tilt * degrees, leg.platform_tilt * degrees);
+  });
+  return columns;
+}
+
+std::string leg_table(const report::PoseCheck& check, model::LegType type,
+                      const TableStyle& style) {
+  const auto columns = leg_columns(type);
+  std::vector<Column> titles{"leg"};
+  for (const auto& column : columns) titles.emplace_back(column.title);
+  Table table(titles);
+  for (int i = 0; i < model::leg_count; ++i) {
+    std::vector<std::string> row{fmt::format("{}", i + 1)};
+    for (const auto& column : columns) row.push_back(column.cell(check.legs[i], check.equilibrium));
+    table.add_row(row);
   }
   return table.text(style);
 }
@@ -75,6 +133,14 @@ std::string buckling_text(const model::Machine& machine, const report::PoseCheck
                  without_guide(machine), *check.lowest_at_buckling / (base::two_pi));
     return text + "; the frequency of a seal mode is zero there.\n";
   }
+  const auto warned = [&](report::PoseWarning::Kind kind) {
+    return std::ranges::find(check.warnings, kind, &report::PoseWarning::kind) !=
+           check.warnings.end();
+  };
+  if (warned(report::PoseWarning::Kind::soft_screws))
+    return "Buckling: the screws do not hold the platform.\n";
+  const bool soft = warned(report::PoseWarning::Kind::soft_oil);
+  if (soft) return "Buckling: the oil springs do not hold the platform.\n";
   if (buckling.status == dynamics::BucklingStatus::buckled)
     return fmt::format(
         "Buckling: the legs buckle under the present load; they carry {} of the platform mass of "
@@ -87,7 +153,7 @@ std::string buckling_text(const model::Machine& machine, const report::PoseCheck
 
 /// A letter for what ends a reach.
 char letter(simulation::Limit limit) {
-  static constexpr std::string_view letters = "HPCERFOIBJX-";
+  static constexpr std::string_view letters = "HPCERFOIBJX-TM";
   static_assert(letters.size() == simulation::limit_count);
   return letters.at(static_cast<std::size_t>(limit));
 }
@@ -98,6 +164,7 @@ std::string both_signs(const simulation::Capability& capability, simulation::Abi
   const auto& along = capability.of(ability, direction, 0);
   const auto& against = capability.of(ability, direction, 1);
   const auto number = [&](double value) {
+    if (!std::isfinite(value)) return std::string("–");
     return scale * value >= 1000.0 ? fmt::format("{:.0f}", scale * value)
                                    : fmt::format("{:.3g}", scale * value);
   };
@@ -166,10 +233,13 @@ std::string column_text(const report::PoseCheck& check) {
   if (leg < 0)
     return "Rods as columns: not checked, since the file does not say how thick they are "
            "(legs.rod.diameter).\n";
-  return fmt::format(
-      "Rods as columns: leg {} bears {:.4g} kN{}; the oil can push with {:.4g} kN.\n", leg + 1,
-      1e-3 * least, check.legs[leg].column->yields ? " (Johnson: the rod yields)" : " (Euler)",
-      1e-3 * check.legs[leg].largest_push);
+  return fmt::format("Rods as columns: leg {} bears {:.4g} kN{}{}.\n", leg + 1, 1e-3 * least,
+                     check.legs[leg].column->yields ? " (Johnson: the rod yields)" : " (Euler)",
+                     std::isfinite(check.legs[leg].largest_push)
+                         ? fmt::format("; the {} can push with {:.4g} kN",
+                                       check.legs[leg].holding_torque ? "motor" : "oil",
+                                       1e-3 * check.legs[leg].largest_push)
+                         : "");
 }
 
 /// Of the leg that bends most.
@@ -187,17 +257,29 @@ std::string bending_text(const report::PoseCheck& check) {
       100.0 * (most.bow_growth.value_or(1.0) - 1.0));
 }
 
-std::string pose_text(const model::Machine& machine, const report::PoseCheck& check,
-                      const TableStyle& style) {
-  std::string text =
-      fmt::format("{}\n{}", bold("Pose " + check.pose.name, style), leg_table(check, style));
+/// Legs, buckling load, columns and what the machine can do.
+std::string details_text(const model::Machine& machine, const report::PoseCheck& check,
+                         const TableStyle& style) {
+  const bool struts = model::leg_type(machine) == model::LegType::strut;
+  std::string text = leg_table(check, model::leg_type(machine), style);
   text += fmt::format(
       "Jacobian: condition {:.3g} (lengths scaled with {:.3g} m; singular from {:.0g})\n",
       check.quality.condition, check.quality.characteristic_length, kinematics::singular_condition);
+  if (struts)
+    return text + (check.first_resonance ? fmt::format("First resonance: {:.3g} Hz.\n",
+                                                       *check.first_resonance / base::two_pi)
+                                         : "");
   text += buckling_text(machine, check);
   text += column_text(check);
   text += bending_text(check);
   text += capability_text(check, style);
+  return text;
+}
+
+std::string pose_text(const model::Machine& machine, const report::PoseCheck& check,
+                      const TableStyle& style) {
+  std::string text = bold("Pose " + check.pose.name, style) + "\n";
+  if (!style.brief) text += details_text(machine, check, style);
   for (const auto& warning : check.warnings)
     text += fmt::format("{} {}\n", styled("warning:", Style::yellow, style.colour),
                         report::warning_text(warning));
@@ -221,15 +303,18 @@ std::string table_text(const model::MachineFile& file, const std::vector<report:
   std::string text = bold(machine.name, style) + "\n";
   if (!machine.description.empty()) text += machine.description + "\n";
   text += state_line(file);
-  text += fmt::format("mass of the platform {}, of all legs {}; {}\n",
-                      report::mass_text(machine.platform.mass), report::mass_text(legs),
+  const auto type = model::leg_type(machine);
+  const bool struts = type == model::LegType::strut;
+  text += fmt::format("mass of the platform {}, {}; {}\n", report::mass_text(machine.platform.mass),
+                      struts ? "legs without mass" : "of all legs " + report::mass_text(legs),
                       report::gravity_text(machine));
-  text += fmt::format("damping: {}\n  with hydraulics: {}\n", report::damping_text(machine),
-                      report::plant_damping_text(machine));
+  text += fmt::format("damping: {}\n", report::damping_text(machine));
+  if (type == model::LegType::cylinder)
+    text += fmt::format("  with hydraulics: {}\n", report::plant_damping_text(machine));
   for (const auto& check : checks) text += "\n" + pose_text(machine, check, style);
-  text += assumptions_text(machine, style);
-  const auto verdict = report::verdict_text(checks);
-  const bool sound = std::ranges::all_of(checks, report::is_sound);
+  text += style.detail(assumptions_text(machine, style));
+  const auto verdict = report::verdict_text(checks, machine);
+  const bool sound = report::is_sound(checks, machine);
   return text +
          fmt::format("\n{}\n", styled(verdict, sound ? Style::green : Style::red, style.colour));
 }
@@ -239,6 +324,11 @@ void run(const Arguments& arguments) {
   auto asked = arguments.machine;
   if (asked.pose.empty()) asked.pose = "neutral";
   const auto machine = load(asked);
+  if (!arguments.plot.empty() && model::leg_type(machine.file.machine) == model::LegType::strut)
+    base::refuse(
+        "--plot " + arguments.plot,
+        "shows what cylinders can do, and the legs are struts; expected no legs.strut, or the "
+        "table without --plot");
   const auto& poses = machine.file.machine.poses;
   const auto checks =
       tasks::check(machine, arguments.machine.pose.empty() ? poses : std::vector{machine.pose});
@@ -248,7 +338,7 @@ void run(const Arguments& arguments) {
                                        report::check_json(checks, machine.file.machine)));
   if (!arguments.plot.empty())
     report::plot_capability(checks.front(), machine.file.machine.name, arguments.plot);
-  if (!std::ranges::all_of(checks, report::is_sound))
+  if (!report::is_sound(checks, machine.file.machine))
     throw base::ComputationError("the machine is not sound");
 }
 
@@ -278,6 +368,7 @@ void add_check(Command app) {
         writes},
        {"--format", arguments.format, "table or json; default: by the ending of -o, else table"},
        {"-o,--output", arguments.output, "File to write; - prints", writes}});
+  command.add_extent_options();
 }
 
 }  // namespace hydrapod::cli

@@ -107,32 +107,10 @@ std::string notes(const report::SideBySide& all, const report::ThingComparison& 
   if (any(Verdict::significant) || any(Verdict::not_significant))
     text += fmt::format("Significant: {}; ± is half the 95 % interval.\n", report::test_text(all));
   if (any(Verdict::calculated))
-    text += "Calculated: both follow from their files; there is no uncertainty to test with.\n";
+    text += "Calculated: both values are calculated and have no measurement uncertainty.\n";
   if (any(Verdict::cannot_say))
-    text += "Cannot say: of a measured number no uncertainty is known.\n";
+    text += "Cannot say: the uncertainty of a measured value is not known.\n";
   return text;
-}
-
-/// The last line: what differs.
-std::string verdict_text(const report::SideBySide& all, const report::ThingComparison& c) {
-  std::size_t frequencies = 0, dampings = 0;
-  const report::ThingComparison::Pair* most = nullptr;
-  const auto relative = [&](const auto& pair) {
-    return pair.frequency.value /
-           all.things.front().modes[static_cast<std::size_t>(pair.first)].omega;
-  };
-  for (const auto& pair : c.pairs) {
-    frequencies += pair.frequency.verdict == Verdict::significant ? 1 : 0;
-    dampings += pair.damping.verdict == Verdict::significant ? 1 : 0;
-    if (most == nullptr || std::abs(relative(pair)) > std::abs(relative(*most))) most = &pair;
-  }
-  const std::string b = letter(static_cast<std::size_t>(c.thing));
-  if (most == nullptr) return fmt::format("{} − A: no mode has a partner.\n", b);
-  return fmt::format(
-      "{} − A: {} of {} modes of A have a partner; {} frequencies and {} damping ratios differ "
-      "significantly; largest change of a frequency {} % (mode {}).\n",
-      b, c.pairs.size(), all.things.front().modes.size(), frequencies, dampings,
-      signed_number(100.0 * relative(*most), {}, 2), most->first + 1);
 }
 
 std::string table_text(const report::SideBySide& all, const TableStyle& style) {
@@ -144,7 +122,7 @@ std::string table_text(const report::SideBySide& all, const TableStyle& style) {
     const auto second = static_cast<std::size_t>(c.thing);
     text += "\n" + pair_table(all, c, style) + left_text(all.things.front(), c.first_left, "A") +
             left_text(all.things[second], c.second_left, letter(second)) + notes(all, c);
-    verdicts += verdict_text(all, c);
+    verdicts += report::verdict_text(all, c) + "\n";
   }
   return text + "\n" + verdicts;
 }

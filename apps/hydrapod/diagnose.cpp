@@ -40,7 +40,8 @@ const char* machine_word(const diagnosis::CaseFile& file) {
   return file.fitted ? "fitted" : "nominal";
 }
 
-std::string modes_text(const diagnosis::Diagnosis& d, const TableStyle& style) {
+std::string modes_text(const diagnosis::Diagnosis& d, model::LegType type,
+                       const TableStyle& style) {
   Table table({"<pose", "<direction", "measured Hz", "rigid Hz", "drop", "share", "peak",
                "nominal Hz", "fitted Hz", "MAC", "<elastic energy"});
   for (const auto& m : d.modes) {
@@ -54,8 +55,8 @@ std::string modes_text(const diagnosis::Diagnosis& d, const TableStyle& style) {
                : "",
          hertz(m.omega_stated), hertz(m.omega_best),
          m.shape_mac > 0.0 ? fmt::format("{:.2f}", m.shape_mac) : "",
-         report::energy_text(m.oil, m.guide_sleeves, m.piston_rings, m.base, m.payload,
-                             m.bending)});
+         report::energy_text(m.oil, m.guide_sleeves, m.piston_rings, m.base, m.payload, m.bending,
+                             type)});
   }
   return heading("Measured modes", style) + table.text(style);
 }
@@ -96,6 +97,10 @@ std::string attribution_text(const diagnosis::CaseFile& file, const TableStyle& 
   Table table(columns);
   for (const auto& drop : file.drops) {
     const auto& r = drop.resonance;
+    if (r.omega == 0.0) {
+      table.add_row({r.direction, hertz(r.omega_rigid), "folds"});
+      continue;
+    }
     std::vector<std::string> row{
         r.direction,
         hertz(r.omega_rigid),
@@ -151,8 +156,9 @@ std::string table_text(const Arguments& a, const model::MachineFile& file,
   text += state_line(file);
   for (const auto& origin : origins) text += "measured: " + origin + "\n";
   for (const auto& sentence : report::summary(found)) text += "  " + sentence + "\n";
+  if (style.brief) return text;
   if (found.diagnosis) {
-    text += modes_text(*found.diagnosis, style);
+    text += modes_text(*found.diagnosis, model::leg_type(file.machine), style);
     if (found.diagnosis->hypotheses.size() > 1)
       text += ranking_text(*found.diagnosis, a.shown, style);
   }
@@ -245,6 +251,7 @@ void add_diagnose(Command app) {
        {"--plot", a.plot, "Picture to write, .svg, .png or .pdf (needs gnuplot)", writes},
        {"--format", a.format, "table or json; default: by the ending of -o, else table"},
        {"-o,--output", a.output, "File to write; - prints", writes}});
+  command.add_extent_options();
 }
 
 }  // namespace hydrapod::cli

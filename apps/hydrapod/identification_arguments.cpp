@@ -62,7 +62,7 @@ identification::MeasureOptions estimate_options(const MeasurementArguments& a) {
                              *a.overlap));
   if (a.overlap) o.overlap = *a.overlap / 100.0;
   o.period = optional_quantity("--period", a.period, "s", "a time");
-  o.whole_record = a.whole_record;
+  if (a.whole_record) o.whole_record = true;
   if (a.whole_record && (a.block || a.overlap || !a.period.empty() || estimator > 0 ||
                          o.window != identification::Window::hann))
     base::refuse(
@@ -97,7 +97,8 @@ void add_measurement_options(Command command, MeasurementArguments& a) {
         "auto, h1, h2, hv or iv (instrumental, for inputs in a closed loop)"},
        {"--block", a.block, "Samples per block; default: from the record's length"},
        {"--whole-record", a.whole_record,
-        "Modes of a short record, without a loop, from the whole record at once instead of blocks"},
+        "Modes of a short record from the whole record at once, or an error where that cannot be; "
+        "default: where it can, else from averages of blocks"},
        {"--overlap", a.overlap, "Overlap of blocks in per cent; default: 50"},
        {"--window", a.window, "hann, rectangular, hamming, blackman-harris or flat-top"},
        {"--period", a.period,

@@ -115,6 +115,7 @@ std::string modes_text(const tasks::Identified& checks, const TableStyle& style)
   if (result.model.misfit > 0.0)
     text += fmt::format(", {:.2f} times their noise (mean square)", result.model.misfit);
   text += ".\n";
+  if (style.brief) return text;
   if (!result.modes.empty() && !report::have_one_unit(result.responses.outputs))
     text +=
         "Motion: each output in proportion to the size of its own responses, because the outputs "
@@ -157,7 +158,7 @@ std::string comparison_text(const report::ComparedModes& compared,
     }
     text += "\n" + table.text(style);
   }
-  return text + "\n" + left_text(compared, result);
+  return text + style.detail("\n" + left_text(compared, result));
 }
 
 struct Arguments : IdentificationArguments {
@@ -270,6 +271,7 @@ void add_identify(Command app) {
         "table, json, csv, uff (dataset 55) or mat; default: by the ending of -o, "
         "else table"},
        {"-o,--output", a.output, "File to write; - prints", writes}});
+  command.add_extent_options();
 }
 
 }  // namespace hydrapod::cli

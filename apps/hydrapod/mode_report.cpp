@@ -134,10 +134,11 @@ std::string heading(const tasks::Machine& subject, const TableStyle& style) {
                                   ? fmt::format(" ({} {} of the payload)", of_payload,
                                                 of_payload == 1 ? "coordinate" : "coordinates")
                                   : "";
-  const std::string base = of_base > 0 ? fmt::format(" ({} coordinates of the base)", of_base)
-                           : machine.base_mount
-                               ? " (the base has no inertia: its mount is in series with the legs)"
-                               : "";
+  const std::string base =
+      of_base > 0 ? fmt::format(" ({} coordinates of the base)", of_base)
+      : machine.base_mount
+          ? " (base and legs have no inertia: the mount is in series with the legs)"
+          : "";
   return fmt::format("{}, pose {}: {}, {} modes{}{}\n{}{}; {} axes; damping: {}\n",
                      bold(machine.name, style), subject.pose.name,
                      what[static_cast<size_t>(subject.kind)], modes, base, payload,
@@ -159,6 +160,7 @@ std::string mode_text(const modal::ModeTable& table, const modal::ModeTable* bef
     pairs = pairs || repeats(table.real.modes, k);
   }
   std::string all = text.text(style);
+  if (style.brief) return all;
   if (table.kind != dynamics::ModelKind::rigid) all += "\n" + rigid_text(table, style);
   if (pairs)
     all +=

@@ -93,16 +93,25 @@ std::string system_heading(const tasks::Machine& machine, const report::System& 
                   machine.pose.name, dynamics::name(machine.kind));
   const std::string damping =
       fmt::format("damping: {}\n", report::plant_damping_text(machine.file.machine));
+  if (!system.closed && model::leg_type(machine.file.machine) == model::LegType::screw)
+    return fmt::format(
+        "{} with free motors, without controller, {} states\n{}the motors turn freely about rest; "
+        "inputs are their torques\ndamping: dampers of the file, Rayleigh's damping, viscous "
+        "friction of the motors; a modal ratio damps nothing here\n",
+        title, linear.A.rows(), state_line(machine.file));
   if (!system.closed)
     return fmt::format(
         "{} with hydraulics, without controller, {} states\n{}the valves are held at their rest "
         "positions; inputs are the drives\n{}",
         title, linear.A.rows(), state_line(machine.file), damping);
   return fmt::format(
-      "{} with hydraulics and controller, {} states\n{}sampled every {:.4g} ms; delay and hold of "
+      "{} with {} and controller, {} states\n{}sampled every {:.4g} ms; delay and hold of "
       "{:.4g} ms as Padé {}/{} (stability is that of the sampled loop)\n{}",
-      title, linear.A.rows(), state_line(machine.file), 1e3 * linear.sample_time,
-      1e3 * linear.delay, linear.pade_order, linear.pade_order, damping);
+      title,
+      model::leg_type(machine.file.machine) == model::LegType::screw ? "electric drives"
+                                                                     : "hydraulics",
+      linear.A.rows(), state_line(machine.file), 1e3 * linear.sample_time, 1e3 * linear.delay,
+      linear.pade_order, linear.pade_order, damping);
 }
 
 /// Of the oscillations that the platform takes part in.
@@ -277,17 +286,18 @@ std::string poses_table(const report::ModesAtPoses& modes, const TableStyle& sty
     cells.push_back(any ? fmt::format("{:.2f}", lowest) : "–");
     table.add_row(cells);
   }
-  return table.text(style) +
-         "\n(number of the mode at its pose.) A row is one mode, followed by its shape from pose "
-         "to "
-         "pose; –: no mode of that shape.\n";
+  return table.text(style) + style.detail(
+                                 "\n(number of the mode at its pose.) A row is one mode, followed "
+                                 "by its shape from pose "
+                                 "to pose; –: no mode of that shape.\n");
 }
 
 void run_at_poses(const Arguments& arguments, const tasks::Machine& machine,
                   const std::vector<model::NamedPose>& poses, size_t format) {
   const auto& system = arguments.system;
   if (system.system || system.open_loop || !system.root_locus.empty())
-    base::refuse("--pose", "poles of the system are at one pose; give --pose once");
+    base::refuse(arguments.all_poses.empty() ? "--pose" : "--poses " + arguments.all_poses,
+                 "poles of the system are at one pose; give --pose once");
   if (arguments.matrices) base::refuse("--matrices", "are of one pose; give --pose once");
   const auto modes = tasks::modes_at_poses(machine, poses);
   const auto style = table_style(arguments.output);
@@ -403,6 +413,7 @@ void add_modes(Command app) {
        {"--matrices", arguments.matrices, "Put M, K and C into the JSON (with --format json)"}});
   add_system_options(command, arguments.system);
   command.add_options({{"-o,--output", arguments.output, "File to write; - prints", writes}});
+  command.add_extent_options();
 }
 
 }  // namespace hydrapod::cli

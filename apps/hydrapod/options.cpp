@@ -93,6 +93,15 @@ void Command::add_options(std::initializer_list<OptionRow> rows) {
   }
 }
 
+void Command::add_extent_options() {
+  app_->preparse_callback([](std::size_t) { show(Extent::screen); });  // the options come after it
+  CLI::Option* brief = app_->add_flag_callback(
+      "--brief", [] { show(Extent::brief); }, "The verdict, and the first rows of tables only");
+  CLI::Option* all = app_->add_flag_callback(
+      "--all", [] { show(Extent::all); }, "All rows of tables, also where a terminal is too small");
+  all->excludes(brief);
+}
+
 void Command::check_files(const Files& files) {
   const auto named = [](const std::vector<Files::Option>& options) {
     std::vector<NamedFile> list;

@@ -92,6 +92,9 @@ class Command {
 
   void add_options(std::initializer_list<OptionRow> rows);
 
+  /// --brief and --all of a command that prints tables: see Extent.
+  void add_extent_options();
+
   /// A subcommand whose help ends with `examples`, and `after` behind them.
   Command add_command(const std::string& name, const std::string& description,
                       const std::vector<Example>& examples, const std::string& after = {});

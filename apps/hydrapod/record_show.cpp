@@ -17,6 +17,23 @@ struct Arguments {
   std::string file{"-"};
 };
 
+/// The command as a shell takes it: "hydrapod rig 'my machine.toml' -o run.h5".
+std::string shell_text(const std::vector<std::string>& arguments) {
+  constexpr std::string_view plain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./=:,+%@-";
+  std::string text = "hydrapod";
+  for (const auto& argument : arguments) {
+    if (!argument.empty() && argument.find_first_not_of(plain) == std::string::npos) {
+      text += " " + argument;
+      continue;
+    }
+    text += " '";
+    for (const char c : argument) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    text += "'";
+  }
+  return text;
+}
+
 /// How the record was made, a line per statement.
 std::string experiment_text(const data::Experiment& e) {
   std::string out;
@@ -24,6 +41,7 @@ std::string experiment_text(const data::Experiment& e) {
     if (!text.empty()) out += fmt::format("{}: {}\n", what, text);
   };
   add("program", e.program);
+  if (!e.command.empty()) add("command", shell_text(e.command));
   add("pose", e.pose_name);
   add("model", e.model);
   for (const auto& change : e.overrides) add("--set", change);

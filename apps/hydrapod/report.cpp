@@ -21,8 +21,10 @@ struct Arguments {
   std::string modes{};
   std::vector<std::string> commands{};
   std::string until{};
+  int samples{1500};
   IdentificationArguments identification{};
   DiagnosisArguments diagnosis{};
+  std::string comparison{};
   report::HtmlOptions page{};
 };
 
@@ -54,7 +56,7 @@ std::vector<int> mode_list(const std::string& text, int count) {
 
 tasks::ReportOptions options_of(const Arguments& a, const tasks::Machine& machine) {
   constexpr std::array themes{report::Theme::automatic, report::Theme::light, report::Theme::dark};
-  tasks::ReportOptions options{.page = a.page};
+  tasks::ReportOptions options{.page = a.page, .comparison = a.comparison};
   options.page.theme = themes[choose_word("--theme", a.theme, {"auto", "light", "dark"})];
   options.page.modes =
       mode_list(a.modes, dynamics::degrees_of_freedom(machine.file.machine, machine.kind));
@@ -64,7 +66,7 @@ tasks::ReportOptions options_of(const Arguments& a, const tasks::Machine& machin
   if (!a.commands.empty()) {
     auto& simulation = options.simulation.emplace();
     simulation.commands = a.commands;
-    simulation.trace_samples = 1500;
+    simulation.trace_samples = static_cast<std::size_t>(a.samples);
     auto& integrator = simulation.loop.integrator;
     integrator.relative_tolerance = integrator.absolute_tolerance = 1e-6;  // as `simulate` has it
     if (!a.until.empty())
@@ -111,6 +113,8 @@ void add_report(Command app) {
         "measured modes: interactive stabilisation chart, fit, comparison"},
        {"report machine.toml --diagnose modes.csv",
         "hypotheses for measured modes, required stiffness of the guide sleeves"},
+       {"report machine.toml --compare comparison.json",
+        "with a result of `hydrapod compare A B -o comparison.json`"},
        {"report machine.toml --set environment.gravity=0 --theme light",
         "another value of a parameter, light colours"}});
   auto& arguments = command.calls(&run);
@@ -133,6 +137,8 @@ void add_report(Command app) {
         reads_each_as("COMMAND")},
        {"--until", arguments.until,
         "Simulated time, s or with a unit; default: until shortly after the commands"},
+       {"--samples", arguments.samples, "Samples of each quantity of the simulated run in the page",
+        range(2, 100000)},
        {"--measured", arguments.identification.measurement.files,
         "Also identify this record or these frequency responses, as `hydrapod identify` does, "
         "and compare with the machine at the first pose; may be repeated for records",
@@ -146,7 +152,11 @@ void add_report(Command app) {
        {"--diagnose", arguments.diagnosis.measured,
         "Also diagnose from these modes, responses or records, as `hydrapod diagnose "
         "--measured` does; the page then shows the machine of the best hypothesis",
-        reads_each_as("RECORD|FRF|MODES")}});
+        reads_each_as("RECORD|FRF|MODES")},
+       {"--compare", arguments.comparison,
+        "Also show this result of `hydrapod compare`, as JSON: matched modes, differences, Bode "
+        "diagrams one over the other",
+        reads}});
   add_diagnosis_options(command, arguments.diagnosis);
   command.add_options(
       {{"--format", arguments.format, "html, or json: the numbers that the page shows"},

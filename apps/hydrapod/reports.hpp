@@ -30,10 +30,11 @@ std::string peak_text(const report::Bode& bode, const TableStyle& style);
 report::PlotText plot_text(const tasks::Machine& machine, const report::Bode& bode);
 
 /// Combinations, targets against model, parameters, what is determined and what is not, remarks.
+/// Parameters in the units of the machine file.
 std::string calibration_text(const calibration::Calibration& result,
                              const observation::Targets& targets,
                              const std::vector<calibration::Profile>& profiles,
-                             const TableStyle& style);
+                             const std::string& machine_text, const TableStyle& style);
 
 /// Modes across, parameters downwards, in per cent per per cent, the most important first.
 std::string sensitivity_text(const calibration::Sensitivities& sensitivities,

@@ -45,7 +45,7 @@ struct Input {
   std::optional<FileState> state;
 };
 
-std::vector<std::string> line, whole;
+std::vector<std::string> whole;
 std::vector<Input> inputs;
 
 std::string date_text() {
@@ -78,16 +78,15 @@ report::Json input_json(const Input& input) {
 
 void set_command_line(int argc, const char* const* argv) {
   if (argc > 1) whole.assign(argv + 1, argv + argc);
-  for (int i = 1; i < argc; ++i) {
-    const std::string_view argument = argv[i];
-    if (argument == "-o" || argument == "--output")
-      ++i;
-    else if (!argument.starts_with("-o") && !argument.starts_with("--output="))
-      line.emplace_back(argument);
-  }
 }
 
-const std::vector<std::string>& command_line() { return line; }
+tasks::Origin record_origin() {
+  tasks::Origin origin{.program = program_text(), .command = whole};
+  for (const auto& input : inputs)
+    if (const auto json = input_json(input); json["sha256"].is_string())
+      origin.inputs.push_back({input.path, json["sha256"].get<std::string>()});
+  return origin;
+}
 
 const std::string& program_text() {
   static const std::string text =

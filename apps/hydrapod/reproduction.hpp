@@ -6,13 +6,15 @@
 #include <vector>
 
 #include "hydrapod/report/json.hpp"
+#include "hydrapod/tasks/simulation.hpp"
 
 namespace hydrapod::cli {
 
 void set_command_line(int argc, const char* const* argv);
 
-/// The arguments of this run but for the files it writes (-o): what records say of their origin.
-const std::vector<std::string>& command_line();
+/// What records say of their origin: program, all arguments, the files read with their checksums.
+/// There is no date: the same command writes the same record bit for bit.
+tasks::Origin record_origin();
 
 /// "hydrapod 0.1.0, commit 60f3…": with "-changed" where sources were changed after the commit;
 /// without a commit where the sources came without one.

@@ -17,7 +17,7 @@ struct Arguments {
   int averages{}, repeat{1}, oversampling{2};
   std::uint64_t seed{1};
   std::vector<std::string> accelerometers{};
-  std::string length{}, pressure{}, current{}, drop_outs{};
+  std::string length{}, pressure{}, current{}, torque{}, speed{}, drop_outs{};
   bool no_anti_alias{}, check{}, above_limits{};
   std::string hardware{}, shared_memory{}, layout{}, key{}, limits{};
   std::optional<int> fifo{};
@@ -50,6 +50,8 @@ void check_kind(const Arguments& arguments) {
     refuse(!arguments.length.empty(), "--length-sensor", why);
     refuse(!arguments.pressure.empty(), "--pressure-sensor", why);
     refuse(!arguments.current.empty(), "--current-sensor", why);
+    refuse(!arguments.torque.empty(), "--torque-sensor", why);
+    refuse(!arguments.speed.empty(), "--speed-sensor", why);
     refuse(!arguments.drop_outs.empty(), "--drop-outs", why);
     refuse(arguments.no_anti_alias, "--no-anti-alias", why);
     refuse(arguments.oversampling != defaults.oversampling, "--oversampling", why);
@@ -65,6 +67,19 @@ void check_kind(const Arguments& arguments) {
   refuse(arguments.ramp != defaults.ramp, "--ramp", why);
   refuse(arguments.ramp_down != defaults.ramp_down, "--ramp-down", why);
   refuse(arguments.watchdog != defaults.watchdog, "--watchdog", why);
+}
+
+/// Throws for sensors of the other kind of actuator.
+void check_sensors(const Arguments& arguments, const model::Machine& machine) {
+  const bool screws = model::leg_type(machine) == model::LegType::screw;
+  const auto refuse = [](bool given, const char* option, const char* why) {
+    if (given) base::refuse(option, why);
+  };
+  const char* no_motor = "the legs have no motors; expected --pressure-sensor, or legs.screw";
+  refuse(screws && !arguments.pressure.empty(), "--pressure-sensor",
+         "electric cylinders have no oil; expected --torque-sensor or --speed-sensor");
+  refuse(!screws && !arguments.torque.empty(), "--torque-sensor", no_motor);
+  refuse(!screws && !arguments.speed.empty(), "--speed-sensor", no_motor);
 }
 
 std::optional<realtime::HardwareOptions> hardware_of(const Arguments& arguments) {
@@ -103,6 +118,7 @@ rig::RigOptions options_of(const Arguments& arguments, const model::Machine& mac
   options.oversampling = arguments.oversampling;
   options.repeat = arguments.repeat;
   options.seed = arguments.seed;
+  check_sensors(arguments, machine);
   rig::Instruments& all = options.instruments;
   all.accelerometers = rig::default_accelerometers(machine);
   if (!arguments.accelerometers.empty()) all.accelerometers.clear();
@@ -114,6 +130,10 @@ rig::RigOptions options_of(const Arguments& arguments, const model::Machine& mac
     all.pressure = rig::parse_sensor("--pressure-sensor", arguments.pressure, "Pa");
   if (!arguments.current.empty())
     all.current = rig::parse_sensor("--current-sensor", arguments.current, "1");
+  if (!arguments.torque.empty())
+    all.torque = rig::parse_sensor("--torque-sensor", arguments.torque, "N m");
+  if (!arguments.speed.empty())
+    all.speed = rig::parse_sensor("--speed-sensor", arguments.speed, "rad/s");
   if (!arguments.drop_outs.empty())
     all.drop_outs = positive("--drop-outs", arguments.drop_outs, "Hz");
   all.anti_alias = !arguments.no_anti_alias;
@@ -131,7 +151,7 @@ void run(const Arguments& arguments) {
                                   .averages = arguments.averages,
                                   .record = arguments.check ? "" : arguments.file,
                                   .force = arguments.above_limits,
-                                  .origin = {program_text(), command_line()},
+                                  .origin = record_origin(),
                                   .hardware = hardware_of(arguments)};
   if (!arguments.check && !options.hardware)
     print_note("damping: " + report::plant_damping_text(machine.file.machine));
@@ -179,7 +199,7 @@ void add_options(Command command, Arguments& arguments) {
       {{"--excite", arguments.signals,
         "Signal (see below); may be repeated, signals add up [white]", reads_each_as("SIGNAL")},
        {"--entry", arguments.entry,
-        "command (demanded pose; m, rad), drive (valves; shares) or wrench (N, N m)"},
+        "command (demanded pose; m, rad), drive (valves or motors; shares) or wrench (N, N m)"},
        {"--duration", arguments.duration, "Of the record"},
        {"--averages", arguments.averages, "Periods of a periodic excitation, instead of --duration",
         range(1, 100000)},
@@ -200,11 +220,15 @@ void add_options(Command command, Arguments& arguments) {
        {"--pressure-sensor", arguments.pressure,
         "\"resolution=2 kPa, noise=5 kPa, low=0, high=250 bar\""},
        {"--current-sensor", arguments.current,
-        "Of the valves, shares of the rated current: \"resolution=1e-4, noise=1e-4\""},
+        "Of the valves, shares of the rated current, or of the motors' speed commands: "
+        "\"resolution=1e-4, noise=1e-4\""},
+       {"--torque-sensor", arguments.torque,
+        "Of the motors of electric cylinders: \"resolution=0.01 N m, noise=0.02 N m\""},
+       {"--speed-sensor", arguments.speed, "The same: \"resolution=0.001, noise=0.005\" in rad/s"},
        {"--drop-outs", arguments.drop_outs,
         "Drop-outs of 20 ms per second and channel, for instance 0.01"},
        {"--no-anti-alias", arguments.no_anti_alias, "Leave the anti-alias filter out"},
-       {"--check", arguments.check, "Only check the levels against stroke and valves"},
+       {"--check", arguments.check, "Only check the levels against stroke, valves and motors"},
        {"--above-limits", arguments.above_limits, "Run although the levels are too high"},
        {"-o", arguments.file, "Record to write: .h5, .mat, .csv or .uff", writes}});
 }

@@ -30,7 +30,9 @@ void run(const Arguments& arguments) {
     const auto style = table_style(arguments.output);
     text = bold(title, style) + "\n" + state_line(machine.file) + "\n" +
            sensitivity_text(result, style) +
-           "\nRepeated modes are shown in the basis of the parameter that separates them most.\n";
+           style.detail(
+               "\nRepeated modes are shown in the basis of the parameter that separates them "
+               "most.\n");
   } else if (format == 1) {
     text = json_text(head_of_model("sensitivity", machine), report::sensitivity_json(result));
   } else {
@@ -58,6 +60,7 @@ void add_sensitivity(Command app) {
         "table, json or csv; default: by the ending of -o, else table"},
        {"-o,--output", arguments.output, "File to write; - prints", writes},
        {"--plot", arguments.plot, "Heat map to write: .svg, .png or .pdf", writes}});
+  command.add_extent_options();
 }
 
 }  // namespace hydrapod::cli

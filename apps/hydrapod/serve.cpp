@@ -103,7 +103,7 @@ void run(const Arguments& arguments) {
                               .rest = arguments.rest,
                               .loop = loop_of(arguments),
                               .record = arguments.record,
-                              .origin = {program_text(), command_line()}};
+                              .origin = record_origin()};
   if (arguments.print_layout) {
     const auto& own = options.server.layout;
     const auto& layout =

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "hydrapod/base/units.hpp"
 #include "hydrapod/reports.hpp"
 #include "hydrapod/signal_help.hpp"
 #include "hydrapod/spatial/pose.hpp"
@@ -35,6 +36,10 @@ std::string excitation_text(const report::Simulation& s) {
       parts.push_back(fmt::format("released at {}={} {}", direction_names[static_cast<size_t>(i)],
                                   in_direction(d, i), i < 3 ? "mm" : "deg"));
   return parts.empty() ? "rest" : joined(parts, " + ");
+}
+
+bool has_struts(const model::Machine& machine) {
+  return model::leg_type(machine) == model::LegType::strut;
 }
 
 const char* kind_text(dynamics::ModelKind kind) {
@@ -94,6 +99,8 @@ std::string leg_table(const report::Simulation& s, const TableStyle& style) {
                               "left in mm", "left out mm",    "peak speed mm/s"};
   const bool drives = s.loop.actuators != simulation::Actuators::springs;
   if (drives) columns.insert(columns.end(), {"peak drive", "at its limit"});
+  const bool motors = !s.trace.torque.empty();
+  if (motors) columns.insert(columns.end(), {"peak torque N m", "at its limit"});
   Table table(columns);
   for (std::size_t i = 0; i < model::leg_count; ++i) {
     const auto& r = s.summary;
@@ -111,7 +118,24 @@ std::string leg_table(const report::Simulation& s, const TableStyle& style) {
       row.push_back(fmt::format("{:.3g} %", 100.0 * r.peak_drive[i]));
       row.push_back(fmt::format("{:.2g} %", 100.0 * limited));
     }
+    if (motors) {
+      row.push_back(fmt::format("{:.3g}", r.peak_torque[i]));
+      row.push_back(fmt::format("{:.2g} %", 100.0 * static_cast<double>(r.torque_limited[i]) /
+                                                static_cast<double>(r.samples)));
+    }
     table.add_row(row);
+  }
+  return table.text(style);
+}
+
+/// Of legs that are struts: their lengths.
+std::string strut_table(const report::Simulation& s, const TableStyle& style) {
+  Table table({"<leg", "length from mm", "to mm", "peak speed mm/s"});
+  for (std::size_t i = 0; i < model::leg_count; ++i) {
+    const auto& r = s.summary;
+    table.add_row({std::to_string(i + 1), fmt::format("{:.2f}", 1e3 * r.piston_low[i]),
+                   fmt::format("{:.2f}", 1e3 * r.piston_high[i]),
+                   fmt::format("{:.3g}", 1e3 * r.peak_speed[i])});
   }
   return table.text(style);
 }
@@ -139,9 +163,14 @@ std::string six(const spatial::Vector6& values, const char* unit) {
   return text + " " + unit;
 }
 
-std::string actuators_text(const report::Simulation& s) {
-  if (s.loop.actuators == simulation::Actuators::springs) return "oil springs, no hydraulics";
-  if (s.loop.actuators == simulation::Actuators::held) return "valves held, no controller";
+std::string actuators_text(const model::Machine& machine, const report::Simulation& s) {
+  if (s.loop.actuators == simulation::Actuators::springs)
+    return model::leg_type(machine) == model::LegType::cylinder ? "oil springs, no hydraulics"
+           : has_struts(machine)                                ? "plain struts"
+                                                                : "motors held";
+  const bool electric = model::leg_type(machine) == model::LegType::screw;
+  if (s.loop.actuators == simulation::Actuators::held)
+    return electric ? "motors held at the speed 0, no controller" : "valves held, no controller";
   return fmt::format("gain {}, {} feedback", six(s.controller.gain, "1/s"),
                      s.controller.feedback == model::DampingFeedback::none       ? "no"
                      : s.controller.feedback == model::DampingFeedback::pressure ? "pressure"
@@ -149,9 +178,10 @@ std::string actuators_text(const report::Simulation& s) {
 }
 
 /// What a plot says about the run in one line.
-std::string simulation_subtitle(const model::NamedPose& pose, const report::Simulation& s) {
+std::string simulation_subtitle(const tasks::Machine& machine, const report::Simulation& s) {
+  const auto& pose = machine.pose;
   return fmt::format("pose {}; {}; {}; {}", pose.name, excitation_text(s), kind_text(s.loop.kind),
-                     actuators_text(s));
+                     actuators_text(machine.file.machine, s));
 }
 
 /// The controller's numbers, with where they come from.
@@ -162,16 +192,19 @@ std::string controller_text(const model::Machine& machine, const control::Contro
   const auto row = [&](const char* key, std::string value, std::string from) {
     table.add_row({key, std::move(value), std::move(from)});
   };
-  const std::string mode = fmt::format("{:.4g} rad/s, the lowest oil mode", lowest_oil_mode);
+  const auto& screw = machine.legs[0].screw;
+  const std::string mode =
+      fmt::format("{:.4g} rad/s, the lowest {}", lowest_oil_mode,
+                  screw ? "mode of the platform with held motors" : "oil mode");
   row("space", p.space == model::ControlSpace::pose ? "pose" : "leg", "");
   const bool by_pressure = p.feedback == model::DampingFeedback::pressure;
   row("gain", six(p.gain, "1/s"),
-      given.gain || given.bandwidth ? "" : (by_pressure ? "0.3 of " : "0.1 of ") + mode);
+      given.gain || given.bandwidth ? "" : (by_pressure ? "0.3 of " : "0.05 of ") + mode);
   row("integral_time", p.integral_time > 0.0 ? fmt::format("{:.4g} s", p.integral_time) : "none",
       given.integral_time ? "" : "8 / smallest gain");
   row("velocity_feedforward", fmt::format("{:.4g}", p.velocity_feedforward), "");
   if (p.feedback == model::DampingFeedback::none) {
-    row("feedback", "none", "");
+    row("feedback", "none", screw ? "electric cylinders have no pressures" : "");
   } else {
     row("feedback", by_pressure ? "pressure" : "acceleration", "");
     row("feedback_gain", six(p.feedback_gain, by_pressure ? "m/(N s)" : "s"),
@@ -186,7 +219,14 @@ std::string controller_text(const model::Machine& machine, const control::Contro
   const auto speeds = control::full_drive_speeds(p.axes[0], p.axes[0].load);
   row("speed of leg 1",
       fmt::format("{:.3g} m/s out, {:.3g} m/s in", speeds.extending, speeds.retracting),
-      "at full drive, under its load at rest");
+      screw ? "at full drive" : "at full drive, under its load at rest");
+  if (screw) {
+    const auto loop = simulation::speed_loop(*screw);
+    row("speed loop of leg 1",
+        fmt::format("{:.4g} Hz, {:.4g} N m s/rad, integral time {:.4g} ms",
+                    loop.bandwidth / base::two_pi, loop.gain, 1e3 * loop.integral_time),
+        "");
+  }
   return table.text();
 }
 
@@ -197,10 +237,12 @@ std::string simulation_text(const tasks::Machine& machine, const report::Simulat
   const auto& r = s.summary;
   std::string text = fmt::format(
       "{}, {}\n{}damping: {}\n{:.6g} s simulated with {}: {} steps, {} evaluations\n\n",
-      bold(machine.file.machine.name, style), simulation_subtitle(machine.pose, s),
+      bold(machine.file.machine.name, style), simulation_subtitle(machine, s),
       state_line(machine.file), s.damping, r.time, simulation::name(s.loop.integrator.method),
       r.integrator.steps, r.integrator.evaluations);
-  if (r.samples > 0) text += direction_table(s, style) + "\n" + leg_table(s, style);
+  if (r.samples > 0)
+    text += direction_table(s, style) + "\n" +
+            (has_struts(machine.file.machine) ? strut_table(s, style) : leg_table(s, style));
   const std::string events = event_text(s);
   if (!events.empty()) text += "\n" + events;
   return text;
@@ -233,7 +275,7 @@ tasks::SimulateOptions options_of(const Arguments& arguments) {
                                  .wrench = arguments.wrench,
                                  .initial = arguments.initial,
                                  .record = arguments.record,
-                                 .origin = {program_text(), command_line()}};
+                                 .origin = record_origin()};
   auto& loop = options.loop;
   loop.actuators = static_cast<simulation::Actuators>(
       choose_word("--actuators", arguments.actuators, {"controlled", "held", "springs"}));
@@ -292,10 +334,10 @@ void run(const Arguments& arguments) {
   if (!result.record.empty()) print_written(result.record);
   if (!result.trace.time.empty())
     draw(arguments.plot, [&](const auto& path) {
-      report::plot_simulation(result, of.name,
-                              simulation_subtitle(machine.pose, result) +
-                                  "; machine: " + report::state_text(machine.file),
-                              path);
+      report::plot_simulation(
+          result, of.name,
+          simulation_subtitle(machine, result) + "; machine: " + report::state_text(machine.file),
+          path);
     });
   base::write_file_whole("-", result_text(arguments, machine, result));
   fail_if_early(arguments, result);
@@ -305,7 +347,7 @@ void run(const Arguments& arguments) {
 
 void add_simulate(Command app) {
   Command command = app.add_command(
-      "simulate", "Time simulation: mechanics, hydraulics, controller",
+      "simulate", "Time simulation: mechanics, hydraulics or electric drives, controller",
       {{"simulate machine.toml --command \"step z=5 mm\" --plot step.svg",
         "response of the platform to a step"},
        {"simulate machine.toml --command \"sine ry=2 deg, frequency=1 Hz\" -o run.h5",
@@ -343,8 +385,8 @@ void add_simulate(Command app) {
        {"--initial", arguments.initial,
         "Displacement from the pose at which the platform is released: \"x=1 mm, ry=0.1 deg\""},
        {"--actuators", arguments.actuators,
-        "controlled; held: valves stay as at rest, no controller; springs: mechanics alone, the "
-        "oil springs of the linear model hold the legs"},
+        "controlled; held: valves stay as at rest (motors at the speed 0), no controller; springs: "
+        "mechanics alone, the oil springs of the linear model or held motors hold the legs"},
        {"--until", arguments.until,
         "Simulated time, s or with a unit; default: until shortly after the signals"},
        {"--dt-output", arguments.dt_output,

@@ -26,8 +26,9 @@ std::string key_in(const std::string& path) {
   constexpr std::size_t shortest = 22, longest = 128;
   struct stat found {};
   if (::stat(path.c_str(), &found) == 0 && (found.st_mode & 077U) != 0)
-    base::refuse(path, "other users may read or write the key; expected the mode 600 "
-                       "(chmod 600)");
+    base::refuse(path,
+                 "other users may read or write the key; expected the mode 600 "
+                 "(chmod 600)");
   const std::string text(base::trimmed(base::read_file(path, 4096, "a key of one line")));
   const auto fits = [](char c) {
     return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '-' ||
@@ -71,7 +72,8 @@ void run(const Arguments& a) {
 }
 
 constexpr const char* after =
-    "\n\nThe address that it prints has a random key. Only this computer can reach it. Whoever knows "
+    "\n\nThe address that it prints has a random key. Only this computer can reach it. Whoever "
+    "knows "
     "the\naddress can read and write files as you can: pass it on to nobody.";
 
 }  // namespace
@@ -101,10 +103,9 @@ void add_studio(Command app) {
        {"--key", arguments.key,
         "File with the key of the address, for --bind: 22 or more letters and digits, mode 600",
         reads}});
-  command.add_options(
-      {{"--model", arguments.model, "rigid, guide or full, as in hydrapod modes",
-        shown_as("MODEL")},
-       {"--no-browser", arguments.no_browser, "Do not open a browser"}});
+  command.add_options({{"--model", arguments.model, "rigid, guide or full, as in hydrapod modes",
+                        shown_as("MODEL")},
+                       {"--no-browser", arguments.no_browser, "Do not open a browser"}});
 }
 
 }  // namespace hydrapod::cli

@@ -8,7 +8,7 @@
 
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/command.hpp"
-#include "hydrapod/report/study_results.hpp"
+#include "hydrapod/report/model_results.hpp"
 #include "hydrapod/reports.hpp"
 #include "hydrapod/tasks/study.hpp"
 #include "hydrapod/team.hpp"

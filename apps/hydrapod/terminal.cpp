@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <iostream>
+#include <span>
 #include <stdexcept>
 
 #include "hydrapod/base/units.hpp"
@@ -233,7 +234,8 @@ std::vector<std::size_t> Table::widths() const {
   return widths;
 }
 
-std::string Table::part(const std::vector<std::size_t>& shown, bool colour) const {
+std::string Table::part(const std::vector<std::size_t>& shown, bool colour,
+                        std::size_t most_rows) const {
   const auto width = widths();
   const auto line_of = [&](const auto& cell_of) {
     std::string line;
@@ -246,7 +248,7 @@ std::string Table::part(const std::vector<std::size_t>& shown, bool colour) cons
   };
   std::string all =
       styled(line_of([&](std::size_t c) { return columns_[c].title; }), Style::bold, colour) + '\n';
-  for (const auto& row : rows_)
+  for (const auto& row : std::span(rows_).first(std::min(rows_.size(), most_rows)))
     all += line_of([&](std::size_t c) { return c < row.size() ? row[c] : std::string(); }) + '\n';
   return all;
 }
@@ -264,8 +266,10 @@ std::string Table::text(const TableStyle& style) const {
       shown.push_back(next++);
     }
     if (!all.empty()) all += '\n';
-    all += part(shown, style.colour);
+    all += part(shown, style.colour, style.rows);
   } while (next < columns_.size());
+  if (rows_.size() > style.rows)
+    all += fmt::format("… and {} more rows; --all shows them\n", rows_.size() - style.rows);
   return all;
 }
 
@@ -273,17 +277,36 @@ std::string bold(std::string_view text, const TableStyle& style) {
   return styled(text, Style::bold, style.colour);
 }
 
-/// Columns of the terminal that stdout is; where it is none, more than any table needs.
-static std::size_t terminal_width() {
+namespace {
+
+Extent extent = Extent::all;
+
+/// Of the terminal that stdout is; zeros where it is none.
+winsize terminal_size() {
   winsize size{};
-  if (!is_terminal(stdout) || ::ioctl(::fileno(stdout), TIOCGWINSZ, &size) != 0 || size.ws_col == 0)
-    return TableStyle{}.width;
-  return size.ws_col;
+  if (!is_terminal(stdout) || ::ioctl(::fileno(stdout), TIOCGWINSZ, &size) != 0) return {};
+  return size;
 }
+
+/// Rows of a table that leave room for the lines around it on a terminal of so many lines.
+std::size_t rows_on(unsigned lines) {
+  constexpr std::size_t brief = 10, around = 14, least = 10;
+  if (extent == Extent::brief) return brief;
+  if (extent == Extent::all || lines == 0) return TableStyle{}.rows;
+  return std::max(least, lines - std::min<std::size_t>(lines, around));
+}
+
+}  // namespace
+
+void show(Extent asked) { extent = asked; }
 
 TableStyle table_style(const std::string& output) {
   const bool printed = output == "-";
-  return {printed && has_colour(stdout), printed ? terminal_width() : TableStyle{}.width};
+  const auto size = printed ? terminal_size() : winsize{};
+  return {.colour = printed && has_colour(stdout),
+          .width = size.ws_col > 0 ? size.ws_col : TableStyle{}.width,
+          .rows = rows_on(size.ws_row),
+          .brief = extent == Extent::brief};
 }
 
 std::string hertz(double omega, int decimals) {

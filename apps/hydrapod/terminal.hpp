@@ -45,8 +45,8 @@ void print_warning(const std::string& message, const std::string& file = {});
 /// "wrote PATH" on stderr.
 void print_written(const std::string& path);
 
-/// Brings what was printed out. False, with a message, where that failed; a reader who has had enough is
-/// no failure.
+/// Brings what was printed out. False, with a message, where that failed; a reader who has had
+/// enough is no failure.
 bool close_output();
 
 /// Where a picture was asked for: draws it, and says so.
@@ -68,11 +68,23 @@ struct Column {
   Align align{Align::right};
 };
 
+/// How much of a result is printed: what fits the terminal's lines, the verdict with the first rows
+/// (--brief), everything (--all). Where the output is no terminal, `screen` is everything too.
+enum class Extent { screen, brief, all };
+/// From now on. At first everything: a command without the options --brief and --all cuts nothing.
+void show(Extent extent);
+
 /// How tables are written. A table wider than `width` comes in parts, one below the other, each
-/// beginning with the first column.
+/// beginning with the first column. Of a table with more than `rows` rows the first ones are shown,
+/// and how many are left out.
 struct TableStyle {
   bool colour{};
   std::size_t width{static_cast<std::size_t>(-1)};
+  std::size_t rows{static_cast<std::size_t>(-1)};
+  bool brief{};  ///< the verdict, and what it rests on
+
+  /// A part of a text that --brief leaves out.
+  [[nodiscard]] std::string detail(const std::string& text) const { return brief ? "" : text; }
 };
 
 /// As the file `output` asks for; "-" is the terminal.
@@ -93,7 +105,8 @@ class Table {
 
  private:
   [[nodiscard]] std::vector<std::size_t> widths() const;
-  [[nodiscard]] std::string part(const std::vector<std::size_t>& shown, bool colour) const;
+  [[nodiscard]] std::string part(const std::vector<std::size_t>& shown, bool colour,
+                                 std::size_t most_rows) const;
 
   std::vector<Column> columns_;
   std::vector<std::vector<std::string>> rows_;

@@ -78,6 +78,7 @@ void check_places(const Leg& leg, const std::vector<double>& lengths, Collector&
 }
 
 void check_leg(const Leg& leg, const std::vector<double>& lengths, Collector& collector) {
+  if (leg.strut) return collector.sign("the stiffness of the strut", leg.strut->stiffness);
   const auto& tube = leg.cylinder_case;
   const auto& rod = leg.rod;
   collector.sign("the mass of the case", tube.mass);
@@ -96,6 +97,7 @@ void check_leg(const Leg& leg, const std::vector<double>& lengths, Collector& co
     collector.sign("the stiffness of the piston ring", leg.piston_ring->stiffness);
   if (leg.oil_spring.stiffness)
     collector.sign("the stiffness of the oil", *leg.oil_spring.stiffness);
+  if (leg.screw) collector.sign("the stiffness of the screw", leg.screw->stiffness);
   collector.sign("the distance of the case's mass centre from the base joint", tube.mass_center);
   collector.add("the case's mass centre lies before the guide sleeve",
                 above(leg.guide_sleeve.position, tube.mass_center));

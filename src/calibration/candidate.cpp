@@ -120,13 +120,9 @@ FittedTarget met(const Problem& problem, const State& state, std::size_t i) {
   const auto& mode = point.seen.modes[static_cast<std::size_t>(k)];
   FittedTarget fit{.mode = problem.observes_plant() ? nearest_mode(point.seen, mode) : k,
                    .omega = mode.omega()};
-  const auto* mechanics =
-      problem.observes_plant() ? nullptr : &state.points[static_cast<std::size_t>(p)];
-  const bool damped = mechanics != nullptr && !mechanics->damped_omega.empty();
-  if (damped) {
-    fit.omega = mechanics->damped_omega[static_cast<std::size_t>(k)];
-    if (target.damping) fit.damping = mechanics->damped_ratio[static_cast<std::size_t>(k)];
-  } else if (target.damping && problem.observes_plant()) {
+  const bool damped = problem.observes_plant() ||
+                      state.points[static_cast<std::size_t>(p)].damped_mode(k) != nullptr;
+  if (target.damping && damped) {
     fit.damping = mode.damping_ratio();
   } else if (target.damping) {
     const auto& undamped = state.points[static_cast<std::size_t>(p)];

@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/observation/pairing.hpp"
+#include "poles.hpp"
 
 namespace hydrapod::calibration {
 
@@ -71,11 +71,10 @@ void Problem::find_poses(const model::Machine& machine) {
     const auto wanted = std::count(point_of_.begin(), point_of_.end(), static_cast<int>(p));
     const int modes = dynamics::degrees_of_freedom(machine, kind_);
     if (wanted > modes)
-      errors.push_back(
-          {.key = "mode",
-           .message = fmt::format("{} targets at pose \"{}\", but the {} model has {} modes",
-                                  wanted, machine.poses[poses_[p]].name, dynamics::name(kind_),
-                                  modes)});
+      errors.push_back({.key = "mode",
+                        .message = fmt::format(
+                            "{} targets at pose \"{}\", but the {} model has {} modes", wanted,
+                            machine.poses[poses_[p]].name, dynamics::name(kind_), modes)});
   }
   if (!errors.empty()) throw base::InputError(errors);
 }
@@ -128,18 +127,42 @@ bool Problem::see_modes(const std::vector<double>& scales, State& state) const {
     auto& point = state.points[p];
     if (point.derivatives.size() == scales.size()) continue;  // known already
     add_derivatives(machine_, state.values, poses_[p], scales, point);
-    const bool repeated = point.modes.group.back() + 1 < point.modes.size();
-    if (repeated && !pair_modes_at(p, state)) return false;  // they have another basis now
+    // repeated ones have another basis now
+    if (point.repeats() && !pair_modes_at(p, state)) return false;
+    if (!point.damped.empty()) add_pole_derivatives(modal::modal_ratio(state.machine).value, point);
   }
   return true;
 }
 
 bool Problem::pair_modes_at(std::size_t point, State& state) const {
-  const auto& [model, modes] = std::tie(state.points[point].model, state.points[point].modes);
+  auto& here = state.points[point];
   auto& seen = state.seen[point];
-  seen.seen.mechanics = model;
-  seen.seen.modes = observation::undamped_modes(model, modes);
-  return pair_seen(targets_.modes, targets_at(point), seen);
+  seen.seen.mechanics = here.model;
+  seen.seen.modes = observation::undamped_modes(here.model, here.modes);
+  const auto see_damped = [&] {
+    for (int k = 0; k < here.modes.size(); ++k) {
+      const auto* damped = here.damped_mode(k);
+      if (damped == nullptr) continue;
+      auto& mode = seen.seen.modes[static_cast<std::size_t>(k)];
+      mode.pole = damped->pole;
+      mode.shape = damped->real.cast<std::complex<double>>();
+      mode.against_base = here.model.against_base * mode.shape;
+    }
+  };
+  see_damped();
+  const auto targets = targets_at(point);
+  if (!pair_seen(targets_.modes, targets, seen)) return false;
+  if (!is_shifted_by_damping(here.model)) return true;
+  std::vector<int> damped;
+  for (const auto i : targets)
+    if (targets_.modes[i].damped) damped.push_back(seen.mode_of[i]);
+  if (damped.empty()) return true;
+  if (here.damped.empty()) {
+    add_damped(modal::modal_ratio(state.machine).value, damped, here);
+    see_damped();
+  }
+  // of a mode that does not oscillate there is nothing to compare with
+  return std::ranges::all_of(damped, [&](int k) { return here.damped_mode(k) != nullptr; });
 }
 
 const control::ControllerParameters* Problem::controller(const model::NamedPose& pose) const {

@@ -2,7 +2,6 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <complex>
 
 #include "hydrapod/modal/damped_modes.hpp"
 #include "hydrapod/observation/pairing.hpp"
@@ -32,72 +31,6 @@ Found found(const Problem& problem, const State& state, int target) {
           state.seen[point].group_of(target)};
 }
 
-/// ω, negative where ω² is: a mode that has buckled pulls back.
-double signed_omega(double omega2) {
-  return omega2 < 0.0 ? -std::sqrt(-omega2) : std::sqrt(omega2);
-}
-
-/// What is compared with a target: ω of the undamped mode, or with elastomers that of the damped
-/// one.
-double omega_of(const ModePoint& point, int mode) {
-  if (!point.damped_omega.empty()) return point.damped_omega[static_cast<std::size_t>(mode)];
-  return signed_omega(point.modes.omega2[mode]);
-}
-
-/// How ω = |λ| and ζ = −Re λ/|λ| of a damped mode follow the parameters.
-struct PoleDerivatives {
-  Eigen::RowVectorXd omega{}, ratio{};
-};
-
-/// The dynamic stiffness D(s) = s² M + s C + K − Σ κ r/(s + r) s_y s_yᵀ is symmetric, so that with
-/// D(λ) y = 0
-///
-///     dλ = −yᵀ dD y / (yᵀ D' y),   D' = 2λ M + C + Σ κ r/(λ + r)² s_y s_yᵀ
-///
-/// y comes from one step of inverse iteration, which begins at the undamped shape. The ratio that
-/// all modes have besides counts as constant.
-PoleDerivatives pole_derivatives(const ModePoint& point, int mode, double modal_ratio) {
-  using Complex = std::complex<double>;
-  const auto k = static_cast<std::size_t>(mode);
-  const double omega = point.damped_omega[k], ratio = point.damped_ratio[k];
-  const Complex pole(-ratio * omega, omega * std::sqrt(std::max(0.0, 1.0 - ratio * ratio)));
-  const auto& model = point.model;
-  const Eigen::MatrixXd momenta = model.M * point.modes.shapes;
-  const Eigen::VectorXd rates = 2.0 * modal_ratio * point.modes.omega2.cwiseMax(0.0).cwiseSqrt();
-  const Eigen::MatrixXd C = model.C + momenta * rates.asDiagonal() * momenta.transpose();
-  Eigen::MatrixXcd D = pole * pole * model.M + pole * C + model.K;
-  Eigen::MatrixXcd slope = 2.0 * pole * model.M + C;
-  for (const auto& arm : model.arms) {
-    const Complex left = arm.stiffness * arm.rate / (pole + arm.rate);
-    D -= left * (arm.s_y * arm.s_y.transpose());
-    slope += left / (pole + arm.rate) * (arm.s_y * arm.s_y.transpose());
-  }
-  const Eigen::VectorXcd momentum = momenta.col(mode);
-  const Eigen::VectorXcd y = D.partialPivLu().solve(momentum).normalized();
-  const auto along = [&](const auto& matrix) -> Complex { return y.transpose() * (matrix * y); };
-  const auto relaxed = [&](const std::vector<dynamics::RelaxingArm>& arms) {
-    Complex sum = 0.0;
-    for (const auto& arm : arms) {
-      const Complex stretch = arm.s_y.cast<Complex>().transpose() * y;
-      sum += arm.stiffness * arm.rate / (pole + arm.rate) * stretch * stretch;
-    }
-    return sum;
-  };
-  const Complex by_pole = along(slope);
-  const auto count = static_cast<Eigen::Index>(point.derivatives.size());
-  PoleDerivatives found{.omega = Eigen::RowVectorXd(count), .ratio = Eigen::RowVectorXd(count)};
-  for (Eigen::Index j = 0; j < count; ++j) {
-    const auto& of = point.derivatives[static_cast<std::size_t>(j)];
-    Complex change = pole * pole * along(of.M) + pole * along(of.C) + along(of.K);
-    if (of.step > 0.0)
-      change -= (relaxed(of.arms_above) - relaxed(of.arms_below)) / (2.0 * of.step);
-    const Complex dpole = -change / by_pole;
-    found.omega[j] = (std::conj(pole) * dpole).real() / omega;
-    found.ratio[j] = -(dpole.real() + ratio * found.omega[j]) / omega;
-  }
-  return found;
-}
-
 /// (ω − ω_t) / deviation
 class FrequencyResidual : public ResidualKind {
  public:
@@ -106,16 +39,15 @@ class FrequencyResidual : public ResidualKind {
                 Eigen::MatrixXd* J) const override {
     const auto& [point, mode, group] = found(problem, state, target_);
     const auto& target = problem.targets().modes[target_];
-    r[0] = (omega_of(point, mode) - target.omega) / target.deviation;
+    r[0] = (point.omega(mode) - target.omega) / target.deviation;
     if (J == nullptr) return;
-    if (!point.damped_omega.empty()) {
-      const double ratio = modal::modal_ratio(state.machine).value;
-      *J = pole_derivatives(point, mode, ratio).omega / target.deviation;
+    if (point.damped_mode(mode) != nullptr) {
+      *J = point.dpole_omega.row(mode) / target.deviation;
       return;
     }
-    const double undamped = signed_omega(point.modes.omega2[mode]);
     const double least = 1e-6 * target.omega;  // at buckling the derivative has a pole
-    *J = point.domega2.row(mode) / (2.0 * std::max(std::abs(undamped), least) * target.deviation);
+    const double omega = std::max(std::abs(point.omega(mode)), least);
+    *J = point.domega2.row(mode) / (2.0 * omega * target.deviation);
   }
 
  private:
@@ -123,7 +55,7 @@ class FrequencyResidual : public ResidualKind {
 };
 
 /// (ζ − ζ_t) / deviation with ζ = φᵀ C φ / 2ω + the modal ratio: first order in the coupling that
-/// dampers make between modes. With elastomers ζ is that of the damped mode.
+/// dampers make between modes; where the damped mode is known, its own.
 class DampingResidual : public ResidualKind {
  public:
   explicit DampingResidual(int target) : ResidualKind(1, 1), target_(target) {}
@@ -132,13 +64,9 @@ class DampingResidual : public ResidualKind {
     const auto [point, mode, group] = found(problem, state, target_);
     const auto& target = problem.targets().modes[target_];
     const double ratio = modal::modal_ratio(state.machine).value;
-    if (!point.damped_ratio.empty()) {
-      r[0] = (point.damped_ratio[static_cast<std::size_t>(mode)] - *target.damping) /
-             target.damping_deviation;
-      if (J == nullptr) return;
-      *J = pole_derivatives(point, mode, ratio).ratio;
-      if (ratio > 0.0) add_ratio(problem, *J);
-      *J /= target.damping_deviation;
+    if (const auto* damped = point.damped_mode(mode)) {
+      r[0] = (damped->damping_ratio - *target.damping) / target.damping_deviation;
+      if (J != nullptr) *J = point.dpole_ratio.row(mode) / target.damping_deviation;
       return;
     }
     const double omega2 = std::max(point.modes.omega2[mode], 1e-12 * target.omega * target.omega);
@@ -193,6 +121,13 @@ class DampingResidual : public ResidualKind {
   int target_;
 };
 
+/// With elastomers the real part of the damped mode: seals then are as stiff as they are at its
+/// frequency. Its derivatives are taken to be those of the undamped shape.
+dynamics::ModelVector shape_of(const ModePoint& point, int mode) {
+  if (const auto* damped = point.damped_mode(mode)) return damped->real;
+  return point.modes.shapes.col(mode);
+}
+
 /// What of the target's shape the group of the mode does not show: r = (1 − P) u / deviation
 /// (observation/pairing.hpp), so that for one mode |r|² = (1 − MAC) / deviation².
 class ShapeResidual : public ResidualKind {
@@ -211,8 +146,7 @@ class ShapeResidual : public ResidualKind {
         by_base ? point.model.against_base : PlatformRows::Identity(6, point.model.dof());
     Eigen::MatrixXd A(6, members.size());
     for (std::size_t k = 0; k < members.size(); ++k)
-      A.col(static_cast<Eigen::Index>(k)) =
-          root * at_point * (seen * point.modes.shapes.col(members[k]));
+      A.col(static_cast<Eigen::Index>(k)) = root * at_point * (seen * shape_of(point, members[k]));
     const Eigen::MatrixXd W = regularised(A);
     r = (u - A * (W.transpose() * u)) / target.shape_deviation;
     if (J == nullptr) return;
@@ -223,7 +157,7 @@ class ShapeResidual : public ResidualKind {
     for (int j = 0; j < problem.size(); ++j) {
       Eigen::MatrixXd dA(6, members.size());
       for (std::size_t k = 0; k < members.size(); ++k) {
-        const dynamics::ModelVector motion = point.modes.shapes.col(members[k]);
+        const dynamics::ModelVector motion = shape_of(point, members[k]);
         Vector6 change = seen * dphi[k].col(j);
         if (by_base) change += point.against_base_derivatives[static_cast<std::size_t>(j)] * motion;
         dA.col(static_cast<Eigen::Index>(k)) =

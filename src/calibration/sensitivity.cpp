@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <stdexcept>
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/dynamics/linear_model.hpp"
 #include "hydrapod/modal/damped_modes.hpp"
 #include "hydrapod/modal/normal_modes.hpp"
+#include "poles.hpp"
 
 namespace hydrapod::calibration {
 
@@ -40,36 +42,28 @@ void leave_out_what_does_nothing(Sensitivities& all) {
     parameters.push_back(all.parameters[static_cast<std::size_t>(j)]);
   }
   all.percent_per_percent = all.percent_per_percent(Eigen::all, kept).eval();
-  all.point.domega2 = all.point.domega2(Eigen::all, kept).eval();
   all.parameters = std::move(parameters);
 }
 
-/// ω and ζ of the damped modes that the undamped ones are: the pair most alike first, every mode in
-/// one pair only. Modes of equal frequency are combinations of each other.
-void add_damped(const Machine& machine, ModePoint& point) {
-  const auto damped =
-      modal::damped_modes(point.model, point.modes, modal::modal_ratio(machine).value);
-  const dynamics::ModelMatrix momenta = point.model.M * point.modes.shapes;
-  const auto count = static_cast<std::size_t>(point.modes.size());
-  if (damped.size() < count)
-    throw base::ComputationError(fmt::format(
-        "of {} modes, {} are left with the damping of these values", count, damped.size()));
-  Eigen::MatrixXd alike(count, damped.size());
-  for (Eigen::Index j = 0; j < alike.cols(); ++j) {
-    const auto& mode = damped[static_cast<std::size_t>(j)];
-    alike.col(j) = (momenta.transpose() * mode.real).cwiseAbs2() +
-                   (momenta.transpose() * mode.imaginary).cwiseAbs2();
-  }
-  point.damped_omega.resize(count);
-  point.damped_ratio.resize(count);
-  for (std::size_t pair = 0; pair < count; ++pair) {
-    Eigen::Index k = 0, j = 0;
-    alike.maxCoeff(&k, &j);
-    alike.row(k).setConstant(-1.0);
-    alike.col(j).setConstant(-1.0);
-    const auto& mode = damped[static_cast<std::size_t>(j)];
-    point.damped_omega[static_cast<std::size_t>(k)] = mode.omega;
-    point.damped_ratio[static_cast<std::size_t>(k)] = mode.damping_ratio;
+/// Are the undamped modes those of seals whose arms have rigid dampers?
+bool has_seal_arms(const Machine& machine, const ModePoint& point) {
+  return model::has_elastomers(machine) && point.model.kind != dynamics::ModelKind::rigid;
+}
+
+/// ω and dω/dp of the damped modes where damping shifts them; those of overdamped modes are NaN.
+void add_shifted(double modal_ratio, ModePoint& point, Eigen::VectorXd& omega,
+                 Eigen::MatrixXd& slopes) {
+  if (!is_shifted_by_damping(point.model)) return;
+  if (point.damped.empty()) add_damped(modal_ratio, point);
+  add_pole_derivatives(modal_ratio, point);
+  for (int k = 0; k < point.modes.size(); ++k) {
+    if (!(point.modes.omega2[k] > 0.0)) continue;
+    if (const auto* mode = point.damped_mode(k)) {
+      omega[k] = mode->omega;
+      slopes.row(k) = point.dpole_omega.row(k);
+    } else {
+      slopes.row(k).setConstant(std::numeric_limits<double>::quiet_NaN());
+    }
   }
 }
 
@@ -95,27 +89,39 @@ void VariedMachine::at(const std::vector<double>& values, Machine& result) const
   assign(result, assignments);
 }
 
+const modal::DampedMode* ModePoint::damped_mode(int mode) const {
+  const auto k = static_cast<std::size_t>(mode);
+  return damped.empty() || !damped[k] ? nullptr : &*damped[k];
+}
+
+double ModePoint::omega(int mode) const {
+  if (const auto* own = damped_mode(mode)) return own->omega;
+  return std::copysign(std::sqrt(std::abs(modes.omega2[mode])), modes.omega2[mode]);
+}
+
 ModePoint mode_point(const Machine& machine, std::size_t pose, dynamics::ModelKind kind) {
   ModePoint point;  // an initialiser list would set all of its 76 kB to zero
   point.model = dynamics::linear_model(machine, pose_of(machine, pose), kind);
   point.modes = modal::normal_modes(point.model);
   if (!point.modes.omega2.allFinite())
     throw base::ComputationError("the modes are not finite with these values");
-  if (model::has_elastomers(machine) && kind != dynamics::ModelKind::rigid)
-    add_damped(machine, point);
+  if (has_seal_arms(machine, point)) add_damped(modal::modal_ratio(machine).value, point);
   return point;
 }
 
 void add_derivatives(const VariedMachine& machine, const std::vector<double>& values,
                      std::size_t pose, std::span<const double> scales, ModePoint& point) {
   point.derivatives.clear();
+  point.ratio_derivatives.clear();
   point.center_derivatives.clear();
   point.against_base_derivatives.clear();
   point.derivatives.reserve(scales.size());
   point.against_base_derivatives.reserve(scales.size());
   Machine workspace;
+  double ratio = 0.0;
   const auto model_of = [&](const std::vector<double>& at) {
     machine.at(at, workspace);
+    ratio = modal::modal_ratio(workspace).value;
     return dynamics::neighbour_model(workspace, pose_of(workspace, pose), point.model);
   };
   std::vector<double> moved = values;
@@ -124,8 +130,10 @@ void add_derivatives(const VariedMachine& machine, const std::vector<double>& va
     const double h = relative_step * scales[j];
     moved[j] = values[j] + h;
     const auto above = model_of(moved);
+    const double ratio_above = ratio;
     moved[j] = values[j] - h;
     const auto below = model_of(moved);
+    point.ratio_derivatives.push_back((ratio_above - ratio) / (2.0 * h));
     moved[j] = values[j];
     point.derivatives.push_back({(above.M - below.M) / (2.0 * h), (above.K - below.K) / (2.0 * h),
                                  (above.C - below.C) / (2.0 * h)});
@@ -140,6 +148,11 @@ void add_derivatives(const VariedMachine& machine, const std::vector<double>& va
     sizes[static_cast<Eigen::Index>(j)] = scales[j];
   }
   modal::turn_repeated(point.modes, point.derivatives, sizes);
+  if (point.repeats() && !point.damped.empty()) {  // the modes have turned
+    point.damped.clear();
+    const auto center = machine.at(values);
+    if (has_seal_arms(center, point)) add_damped(modal::modal_ratio(center).value, point);
+  }
   point.domega2 = modal::omega2_derivatives(point.modes, point.derivatives);
 }
 
@@ -168,16 +181,25 @@ Sensitivities sensitivities(const model::MachineFile& file, std::size_t pose,
     scales.push_back(number.value != 0.0 ? std::abs(number.value) : 1.0);
   }
   const auto values = machine.values();
-  result.point = mode_point(machine.at(values), pose, kind);
-  add_derivatives(machine, values, pose, scales, result.point);
-  const auto& modes = result.point.modes;
+  auto point = mode_point(machine.at(values), pose, kind);
+  add_derivatives(machine, values, pose, scales, point);
+  const auto& modes = point.modes;
   result.omega = modes.omega2.cwiseMax(0.0).cwiseSqrt();
-  result.percent_per_percent = result.point.domega2;
+  result.percent_per_percent = point.domega2;
+  for (int k = 0; k < modes.size(); ++k)
+    result.percent_per_percent.row(k) *= modes.omega2[k] > 0.0
+                                             ? 1.0 / (2.0 * result.omega[k])
+                                             : std::numeric_limits<double>::quiet_NaN();
+  add_shifted(modal::modal_ratio(machine.machine).value, point, result.omega,
+              result.percent_per_percent);
   for (int k = 0; k < modes.size(); ++k)
     for (std::size_t j = 0; j < values.size(); ++j)
-      result.percent_per_percent(k, static_cast<Eigen::Index>(j)) *=
-          modes.omega2[k] > 0.0 ? values[j] / (2.0 * modes.omega2[k])
-                                : std::numeric_limits<double>::quiet_NaN();
+      result.percent_per_percent(k, static_cast<Eigen::Index>(j)) *= values[j] / result.omega[k];
+  std::vector<int> order(static_cast<std::size_t>(modes.size()));
+  std::iota(order.begin(), order.end(), 0);
+  std::ranges::stable_sort(order, {}, [&](int k) { return result.omega[k]; });
+  result.omega = result.omega(order).eval();
+  result.percent_per_percent = result.percent_per_percent(order, Eigen::all).eval();
   if (paths.empty()) leave_out_what_does_nothing(result);
   return result;
 }

@@ -119,7 +119,7 @@ class CsvReader {
       return fault(1, "",
                    fmt::format("has {} cells, expected {} as in the title row", cells.size(),
                                titles_.size()));
-    ModeTarget mode;
+    ModeTarget mode{.damped = true};
     Vector6 shape = Vector6::Zero();
     std::optional<double> deviation;
     for (std::size_t i = 0; i < cells.size(); ++i) {

@@ -70,10 +70,10 @@ class TargetReader {
       : root_(root), file_(std::move(file)), faults_(faults) {}
 
   TargetsFile read() {
-    check_keys(
-        root_, "",
-        {"title", "source", "frequency_unit", "deviation", "mode", "free", "alternative", "fit"},
-        faults_);
+    check_keys(root_, "",
+               {"title", "source", "frequency_unit", "frequencies", "deviation", "mode", "free",
+                "alternative", "fit"},
+               faults_);
     const Section top(root_, faults_);
     TargetsFile file;
     auto& [targets, plan] = file;
@@ -83,6 +83,8 @@ class TargetReader {
     if (!plain_unit_.empty() && plain_unit_ != "Hz" && plain_unit_ != "rad/s")
       top.report(top.find("frequency_unit"),
                  fmt::format("is \"{}\", expected \"Hz\" or \"rad/s\"", plain_unit_));
+    constexpr std::string_view kinds[]{"damped", "undamped"};
+    damped_ = top.word("frequencies", kinds) == 0;
     targets.deviations_given = top.has("deviation");
     default_deviation_ = top.find("deviation");
     for (const auto& table : tables_of(root_, "mode", "", faults_)) read_mode(table, targets);
@@ -136,6 +138,7 @@ class TargetReader {
     const auto value = table.find("frequency");
     if (!value) return table.report_missing("frequency", "required value (\"11.3 Hz\")");
     mode.omega = frequency(table, value);
+    mode.damped = damped_;
     if (const auto own = table.find("deviation")) {
       mode.deviation = deviation(table, own, mode.omega);
       targets.deviations_given = true;
@@ -321,6 +324,7 @@ class TargetReader {
   std::string file_;
   Faults& faults_;
   std::string plain_unit_{};
+  bool damped_{true};
   Value default_deviation_{};
 };
 

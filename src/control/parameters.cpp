@@ -23,6 +23,8 @@ void validate_axis(const DriveAxis& axis) {
   const auto positive = [](const char* name, double value) {
     require(std::isfinite(value) && value > 0.0, name, value, "more than 0");
   };
+  require(std::isfinite(axis.load), "axes.load", axis.load, "a finite number");
+  if (axis.full_speed != 0.0) return positive("axes.full_speed", axis.full_speed);
   positive("axes.piston_area", axis.piston_area);
   positive("axes.annulus_area", axis.annulus_area);
   positive("axes.flow_coefficient", axis.flow_coefficient);
@@ -30,12 +32,12 @@ void validate_axis(const DriveAxis& axis) {
   require(axis.return_pressure >= 0.0 && axis.return_pressure < axis.supply_pressure,
           "axes.return_pressure", axis.return_pressure, "0 to less than the supply pressure");
   require(std::isfinite(axis.overlap), "axes.overlap", axis.overlap, "a finite number");
-  require(std::isfinite(axis.load), "axes.load", axis.load, "a finite number");
 }
 
 }  // namespace
 
 AxisSpeeds full_drive_speeds(const DriveAxis& axis, double load) {
+  if (axis.full_speed > 0.0) return {axis.full_speed, axis.full_speed};
   const double A_1 = axis.piston_area;
   const double A_2 = axis.annulus_area;
   const double p_s = axis.supply_pressure;
@@ -49,6 +51,7 @@ AxisSpeeds full_drive_speeds(const DriveAxis& axis, double load) {
 }
 
 double log_speed_per_load(const DriveAxis& axis, double load, bool extending) {
+  if (axis.full_speed > 0.0) return 0.0;
   const double A_1 = axis.piston_area, A_2 = axis.annulus_area;
   const double p_s = axis.supply_pressure, p_t = axis.return_pressure;
   const double force = extending ? p_s * A_1 - p_t * A_2 - load : p_s * A_2 - p_t * A_1 + load;

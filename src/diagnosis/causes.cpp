@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -48,6 +49,7 @@ const model::Leg& leg_of(const model::MachineFile& file, Leg leg) {
 
 /// The O-rings under the step seals: softer or stiffer than stated.
 void add_guide_sleeves(const model::MachineFile& file, std::vector<Cause>& all) {
+  if (leg_of(file, {}).strut) return;
   constexpr double factor = 1e4;  // who calculates with rigid legs may state anything
   for (const auto leg : all_and_each)
     all.push_back({Cause::Kind::guide_sleeves,
@@ -58,6 +60,7 @@ void add_guide_sleeves(const model::MachineFile& file, std::vector<Cause>& all) 
 
 /// The O-rings under the glyd rings at the pistons: a third resonance in x and y.
 void add_piston_rings(const model::MachineFile& file, std::vector<Cause>& all) {
+  if (leg_of(file, {}).strut) return;
   // where the file has none they begin stiffer than the sleeves, as they are in cylinders
   constexpr double factor = 1000.0, stiffer = 10.0;
   const bool stated = leg_of(file, {}).piston_ring.has_value();
@@ -118,9 +121,26 @@ Cause volume(const model::MachineFile& file, Cause::Kind side, Leg leg) {
   return cause;
 }
 
+/// Plain struts, or screws of electric cylinders, softer or stiffer than stated.
+void add_struts_and_screws(const model::MachineFile& file, std::vector<Cause>& all) {
+  constexpr double factor = 5.0;
+  for (const auto leg : all_and_each) {
+    const auto& of = leg_of(file, leg);
+    if (of.strut)
+      all.push_back({Cause::Kind::struts,
+                     leg,
+                     {within(leg_path(leg, "strut.stiffness"), of.strut->stiffness, factor)}});
+    if (of.screw)
+      all.push_back({Cause::Kind::screws,
+                     leg,
+                     {within(leg_path(leg, "screw.stiffness"), of.screw->stiffness, factor)}});
+  }
+}
+
 /// The oil as a spring: bulk modulus, entrained air, volumes of chambers and lines.
 void add_oil(const model::MachineFile& file, std::vector<Cause>& all) {
   constexpr double factor = 5.0;
+  if (model::leg_type(file.machine) != model::LegType::cylinder) return;
   const auto& cylinder = leg_of(file, {}).oil_spring.cylinder;
   for (const auto leg : all_and_each) {
     const auto [path, stated] = spring_number(leg_of(file, leg));
@@ -135,8 +155,8 @@ void add_oil(const model::MachineFile& file, std::vector<Cause>& all) {
     for (const auto leg : all_and_each) all.push_back(volume(file, side, leg));
 }
 
-/// Gimbals and their fastening, which give way along the legs or have play; play shows as a softer
-/// spring, the softer the smaller the motion.
+/// Gimbals and their fastening, which are compliant along the legs or have play; play shows as a
+/// softer spring, the softer the smaller the motion.
 void add_gimbals(const model::MachineFile& file, std::vector<Cause>& all) {
   constexpr double stiff = 30.0, factor = 1000.0;
   const auto lengths = kinematics::leg_lengths(file.machine, file.machine.neutral());
@@ -214,6 +234,7 @@ void add_base(const model::MachineFile& file, std::vector<Cause>& all) {
 /// valves have little (hydraulics::line_inertia); those with an open end move as a whole.
 void add_oil_lines(const model::MachineFile& file, std::vector<Cause>& all) {
   constexpr double least = 1e-4, most = 0.5;  // of the platform's mass, per leg
+  if (model::leg_type(file.machine) != model::LegType::cylinder) return;
   const double mass = file.machine.platform.mass;
   for (const auto leg : all_and_each) {
     const auto path = leg_path(leg, "added_axial_inertia");
@@ -292,9 +313,10 @@ void add_payload_modes(const model::MachineFile& file, std::vector<Cause>& all) 
 }
 
 /// Rods that bend more than stated: thinner, or weakened where they are fastened. The diameter
-/// stands for the stiffness E I, which is as its fourth power.
+/// stands for the stiffness E I, of a solid rod as its fourth power.
 void add_bending(const model::MachineFile& file, std::vector<Cause>& all) {
-  // half the diameter has a sixteenth of the stiffness; thicker rods are rarely built than drawn
+  // half the diameter of a solid rod has a sixteenth of the stiffness; rods are rarely
+  // thicker than drawn
   constexpr double thinner = 0.5, thicker = 1.25, clearance = 1.02;
   for (const auto leg : all_and_each) {
     const auto& of = leg_of(file, leg);
@@ -320,8 +342,11 @@ void add_elastomers(const model::MachineFile& file, std::vector<Cause>& all) {
   constexpr double least_loss = 0.02, most_loss = 0.6;    // catalogues: 0.1 to 0.3
   constexpr double margin = 1.2;
   const auto& legs = file.machine.legs;
-  if (!std::ranges::all_of(legs, [](const auto& leg) { return !!leg.guide_sleeve.elastomer; }))
-    return;
+  const auto has_numbers = [](const auto& leg) {  // `arms` have none
+    const auto& elastomer = leg.guide_sleeve.elastomer;
+    return elastomer && elastomer->dynamic_ratio && elastomer->loss_factor;
+  };
+  if (!std::ranges::all_of(legs, has_numbers)) return;
   const auto& elastomer = legs[0].guide_sleeve.elastomer;
   const auto add = [&](Cause::Kind kind, const char* key, double value, double least, double most) {
     all.push_back({kind,
@@ -331,74 +356,60 @@ void add_elastomers(const model::MachineFile& file, std::vector<Cause>& all) {
                      .lower = std::min(least, value),
                      .upper = std::max(most, margin * value)}}});
   };
-  add(Cause::Kind::elastomer_ratio, "dynamic_ratio", elastomer->dynamic_ratio,
-      std::min(least_ratio, 1.0 + 0.5 * (elastomer->dynamic_ratio - 1.0)), most_ratio);
-  add(Cause::Kind::elastomer_loss, "loss_factor", elastomer->loss_factor, least_loss, most_loss);
+  const double ratio = *elastomer->dynamic_ratio;
+  add(Cause::Kind::elastomer_ratio, "dynamic_ratio", ratio,
+      std::min(least_ratio, 1.0 + 0.5 * (ratio - 1.0)), most_ratio);
+  add(Cause::Kind::elastomer_loss, "loss_factor", *elastomer->loss_factor, least_loss, most_loss);
 }
+
+/// Kinds that are not in pairs are represented there by another one that does nearly the same.
+struct OfKind {
+  Cause::Kind kind{};
+  Family family{};
+  bool in_pairs{true};
+};
+constexpr bool alone = false;
+constexpr std::array kinds{OfKind{Cause::Kind::guide_sleeves, Family::guide_sleeves},
+                           OfKind{Cause::Kind::piston_rings, Family::piston_rings},
+                           OfKind{Cause::Kind::bulk_modulus, Family::leg_axes},
+                           OfKind{Cause::Kind::oil_springs, Family::leg_axes},
+                           OfKind{Cause::Kind::air, Family::leg_axes, alone},
+                           OfKind{Cause::Kind::cap_volume, Family::leg_axes, alone},
+                           OfKind{Cause::Kind::rod_volume, Family::leg_axes, alone},
+                           OfKind{Cause::Kind::gimbals, Family::leg_axes, alone},
+                           OfKind{Cause::Kind::payload, Family::platform},
+                           OfKind{Cause::Kind::payload_height, Family::platform, alone},
+                           OfKind{Cause::Kind::inertia, Family::platform},
+                           OfKind{Cause::Kind::mass_and_inertia, Family::platform},
+                           OfKind{Cause::Kind::mass_center, Family::mass_center},
+                           OfKind{Cause::Kind::base_lateral, Family::base},
+                           OfKind{Cause::Kind::base_vertical, Family::base},
+                           OfKind{Cause::Kind::base_rocking, Family::base},
+                           OfKind{Cause::Kind::oil_lines, Family::oil_lines},
+                           OfKind{Cause::Kind::leakage, Family::leakage},
+                           OfKind{Cause::Kind::payload_sways, Family::payload_modes, alone},
+                           OfKind{Cause::Kind::payload_heaves, Family::payload_modes, alone},
+                           OfKind{Cause::Kind::payload_modes, Family::payload_modes, alone},
+                           OfKind{Cause::Kind::rods_bend, Family::bending, alone},
+                           OfKind{Cause::Kind::elastomer_ratio, Family::elastomers, alone},
+                           OfKind{Cause::Kind::elastomer_loss, Family::elastomers, alone},
+                           OfKind{Cause::Kind::struts, Family::leg_axes},
+                           OfKind{Cause::Kind::screws, Family::leg_axes}};
+
+static_assert(kinds.size() == static_cast<std::size_t>(Cause::Kind::screws) + 1);
+
+const OfKind& of(Cause::Kind kind) { return *std::ranges::find(kinds, kind, &OfKind::kind); }
 
 }  // namespace
 
-Family Cause::family() const {
-  switch (kind) {
-    case Kind::guide_sleeves:
-      return Family::guide_sleeves;
-    case Kind::piston_rings:
-      return Family::piston_rings;
-    case Kind::bulk_modulus:
-    case Kind::oil_springs:
-    case Kind::air:
-    case Kind::cap_volume:
-    case Kind::rod_volume:
-    case Kind::gimbals:
-      return Family::leg_axes;
-    case Kind::payload:
-    case Kind::payload_height:
-    case Kind::inertia:
-    case Kind::mass_and_inertia:
-      return Family::platform;
-    case Kind::mass_center:
-      return Family::mass_center;
-    case Kind::base_lateral:
-    case Kind::base_vertical:
-    case Kind::base_rocking:
-      return Family::base;
-    case Kind::oil_lines:
-      return Family::oil_lines;
-    case Kind::leakage:
-      return Family::leakage;
-    case Kind::payload_sways:
-    case Kind::payload_heaves:
-    case Kind::payload_modes:
-      return Family::payload_modes;
-    case Kind::rods_bend:
-      return Family::bending;
-    case Kind::elastomer_ratio:
-    case Kind::elastomer_loss:
-      return Family::elastomers;
-  }
-  return Family::guide_sleeves;
-}
-
-bool Cause::in_pairs() const {
-  constexpr std::array stood_for{Cause::Kind::air,
-                                 Cause::Kind::cap_volume,
-                                 Cause::Kind::rod_volume,
-                                 Cause::Kind::gimbals,
-                                 Cause::Kind::payload_height,
-                                 Cause::Kind::payload_sways,
-                                 Cause::Kind::payload_heaves,
-                                 Cause::Kind::payload_modes,
-                                 Cause::Kind::rods_bend,
-                                 Cause::Kind::elastomer_ratio,
-                                 Cause::Kind::elastomer_loss};
-  return std::ranges::count(stood_for, kind) == 0;
-}
+Family Cause::family() const { return of(kind).family; }
+bool Cause::in_pairs() const { return of(kind).in_pairs; }
 
 std::vector<Cause> causes_of(const model::MachineFile& file) {
   std::vector<Cause> all;
-  for (const auto add :
-       {add_guide_sleeves, add_piston_rings, add_oil, add_gimbals, add_platform, add_base,
-        add_oil_lines, add_leakage, add_payload_modes, add_bending, add_elastomers})
+  for (const auto add : {add_struts_and_screws, add_guide_sleeves, add_piston_rings, add_oil,
+                         add_gimbals, add_platform, add_base, add_oil_lines, add_leakage,
+                         add_payload_modes, add_bending, add_elastomers})
     add(file, all);
   return all;
 }

@@ -175,10 +175,10 @@ std::vector<Beside> beside_predicted(const Evidence& evidence, const Hypothesis&
         measured[static_cast<std::size_t>(*mode.direction)].push_back(mode.omega);
     if (std::ranges::all_of(measured, [](const auto& some) { return some.empty(); })) continue;
     // the lowest one that was measured may hold a small share of its direction
-    for (const auto& r :
-         first_resonances(machine, named.X_BP, nominal.kind, {.of_largest = resonance_mac})) {
+    for (const auto& r : first_resonances(machine, named.X_BP, nominal.kind,
+                                          {.of_largest = 0.0, .least = resonance_mac})) {
       auto& here = measured[static_cast<std::size_t>(r.main_direction)];
-      if (here.empty() || !(r.omega > 0.0)) continue;
+      if (here.empty() || !(r.omega > 0.0)) continue;  // no mode, or legs that fold
       std::ranges::sort(here);
       all.push_back({r.omega, here});
     }

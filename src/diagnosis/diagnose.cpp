@@ -212,7 +212,7 @@ void describe(const Evidence& evidence, Diagnosis& d, int threads, Watch& watch)
       [&](double share) { return watch.at(0.9 + 0.08 * share); });
 }
 
-/// A controller stays as it was tuned for the machine as stated, whatever is wrong with that. Why
+/// A controller stays as it was tuned for the nominal machine, whatever is wrong with that. Why
 /// it cannot be had; none: it can.
 std::optional<std::string> hold_controllers(const model::MachineFile& file,
                                             observation::Targets& targets) {
@@ -238,7 +238,7 @@ void widen(const Evidence& evidence, Diagnosis& d, double frequency_error, Watch
 }
 
 /// What is compared: modes with the deviations that count, of the system that was measured or,
-/// where the machine as stated cannot be had so, of mechanics; lines of responses.
+/// where the nominal machine cannot be had so, of mechanics; lines of responses.
 void take_targets(const model::MachineFile& file, const observation::Targets& measured,
                   dynamics::ModelKind kind, const DiagnoseOptions& options, Diagnosis& d) {
   d.targets.responses.clear();

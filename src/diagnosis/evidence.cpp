@@ -100,14 +100,16 @@ Targets Evidence::for_mechanics() const {
   if (targets_.observed == observation::Observed::mechanics) return targets;
   targets.observed = observation::Observed::mechanics;
   const auto& machine = file_.machine;
-  for (const auto& pose : machine.poses) {
-    std::optional<modal::NormalModes> modes;
+  for (std::size_t p = 0; p < machine.poses.size(); ++p) {
+    const auto& pose = machine.poses[p];
+    std::optional<calibration::ModePoint> modes;
     for (std::size_t i = 0; i < targets.modes.size(); ++i) {
       if (targets.modes[i].pose != pose.name) continue;
-      if (!modes) modes = modal::normal_modes(dynamics::linear_model(machine, pose.X_BP, kind_));
+      if (!modes) modes = calibration::mode_point(machine, p, kind_);
       const auto& fit = stated_.fit.targets[i];
       const double ratio = modes->omega(fit.mode) / fit.omega;
       targets.modes[i].omega *= ratio;
+      targets.modes[i].damped = false;
       targets.modes[i].deviation *= ratio;
     }
   }
@@ -125,7 +127,7 @@ Hypothesis Evidence::rigid() const {
     const auto& leg = file_.machine.legs[static_cast<std::size_t>(i)];
     const auto path = [&](const char* rest) { return fmt::format("leg.{}.{}", i + 1, rest); };
     constexpr double stiffer = 1e6;
-    set(path("guide_sleeve.stiffness"), stiffer * leg.guide_sleeve.stiffness);
+    if (!leg.strut) set(path("guide_sleeve.stiffness"), stiffer * leg.guide_sleeve.stiffness);
     if (leg.piston_ring) set(path("piston_ring.stiffness"), stiffer * leg.piston_ring->stiffness);
     if (leg.gimbal_stiffness) set(path("gimbal_stiffness"), like_rigid);
     if (leg.bending == model::LegBending::elastic)
@@ -330,9 +332,9 @@ void Evidence::learn(Hypothesis& e, const std::vector<std::vector<const Hypothes
 
 bool Evidence::has_damped_seals(const Cause& cause) const {
   const auto is_damped = [&](const model::Leg& leg) {
-    if (cause.family() == Family::guide_sleeves) return leg.guide_sleeve.damping > 0.0;
-    return cause.family() == Family::piston_rings && leg.piston_ring &&
-           leg.piston_ring->damping > 0.0;
+    const auto loses = [](const auto& seal) { return seal.damping > 0.0 || seal.elastomer; };
+    if (cause.family() == Family::guide_sleeves) return loses(leg.guide_sleeve);
+    return cause.family() == Family::piston_rings && leg.piston_ring && loses(*leg.piston_ring);
   };
   const auto& legs = file_.machine.legs;
   return cause.leg ? is_damped(legs[static_cast<std::size_t>(*cause.leg)])

@@ -34,18 +34,18 @@ bool beyond_mechanics(const observation::Targets& targets);
 
 /// Fits hypotheses. Where the targets ask for more than modes of mechanics, each is sought with
 /// these (fast, from many starts), to which frequencies measured of the plant or the system are
-/// brought by the ratio of mechanics to it of the machine as stated, and then fitted to everything
+/// brought by the ratio of mechanics to it of the nominal machine, and then fitted to everything
 /// from there.
 class Evidence {
  public:
-  /// All of these must outlive it. Throws base::ComputationError where the machine as stated has no
+  /// All of these must outlive it. Throws base::ComputationError where the nominal machine has no
   /// modes.
   Evidence(const model::MachineFile& file, const observation::Targets& targets,
            dynamics::ModelKind kind, const std::vector<Cause>& causes);
 
-  /// The machine as stated.
+  /// The nominal machine.
   [[nodiscard]] const Hypothesis& nominal() const { return stated_; }
-  /// With legs, gimbals and base that do not give way.
+  /// With legs, gimbals and base that are rigid.
   [[nodiscard]] Hypothesis rigid() const;
   /// The numbers of these causes let free, by mechanics. `known`: a hypothesis by one of them,
   /// whose values it begins with. Throws base::ComputationError where no such machine has modes.
@@ -114,7 +114,7 @@ class Evidence {
 /// Have two hypotheses the same numbers, nearly, for what both let free?
 bool same_numbers(const Hypothesis& a, const Hypothesis& b);
 
-/// Why the machine as stated cannot be compared with the targets, as in Substitution; none: it can.
+/// Why the nominal machine cannot be compared with the targets, as in Substitution; none: it can.
 std::optional<std::string> plant_refused(const model::MachineFile& file,
                                          const observation::Targets& targets,
                                          dynamics::ModelKind kind);
@@ -122,7 +122,7 @@ std::optional<std::string> plant_refused(const model::MachineFile& file,
 /// Resonances that are missing, and measured values that it misses, worst first; at most three.
 std::vector<Contradiction> what_is_wrong(const Evidence& evidence, const Hypothesis& hypothesis);
 
-/// Fitted to the direction that the machine as stated misses most, what does a cause with one
+/// Fitted to the direction that the nominal machine misses most, what does a cause with one
 /// number do to the others? None when it does no harm.
 std::optional<Contradiction> contrary(const Evidence& evidence, const Hypothesis& nominal,
                                       const Hypothesis& hypothesis, const numerics::Progress& stop);

@@ -12,10 +12,10 @@ namespace hydrapod::diagnosis {
 
 /// Resonances of mechanics, of the plant or of the system, as in Targets::observed; of a hypothesis
 /// that was fitted by mechanics those of mechanics, which the plant or the system changes in the
-/// ratio that it does in the machine as stated.
+/// ratio that it does in the nominal machine.
 class Predictions {
  public:
-  /// `file` and `targets` must outlive it; `stated`: model of the machine as stated.
+  /// `file` and `targets` must outlive it; `stated`: model of the nominal machine.
   Predictions(const model::MachineFile& file, const observation::Targets& targets,
               dynamics::ModelKind stated)
       : file_(file), targets_(targets), stated_(stated) {}
@@ -32,15 +32,17 @@ class Predictions {
     return observation::visible_resonances(seen(machine, kind, pose));
   }
 
-  /// The machine as stated.
-  [[nodiscard]] const model::Machine& machine() const { return file_.machine; }
-
- private:
-  /// The controller at work: tuned for the machine as stated, whatever is wrong with it.
-  [[nodiscard]] const control::ControllerParameters* controller(const model::NamedPose& pose);
+  /// The measured system with another machine in it. Throws as at() does.
   [[nodiscard]] observation::Observation seen(const model::Machine& machine,
                                               dynamics::ModelKind kind,
                                               const model::NamedPose& pose);
+
+  /// The nominal machine.
+  [[nodiscard]] const model::Machine& machine() const { return file_.machine; }
+
+ private:
+  /// The controller at work: tuned for the nominal machine, whatever is wrong with it.
+  [[nodiscard]] const control::ControllerParameters* controller(const model::NamedPose& pose);
   /// Brings resonances of mechanics to the observed system.
   void bring(const model::NamedPose& pose, std::vector<observation::Resonance>& resonances);
 

@@ -156,7 +156,7 @@ void judge(Diagnosis& d) {
     d.unexplained = why_unexplained(d, d.judged());
     return;
   }
-  // a second cause whose number the data leave open is an excuse, not a finding
+  // a second cause whose parameter the data do not determine is not identified
   const auto open = [&](std::size_t k) {
     const auto& e = d.hypotheses[k];
     return e.causes.size() > 1 &&
@@ -185,12 +185,13 @@ double motion_mac(const spatial::Matrix6& metric, const spatial::Vector6& a,
 
 constexpr double same_motion = 0.5;  ///< least MAC
 
-/// `seen`: the resonances of the rigid legs in the plant or the system that was measured; none:
+/// The mode of rigid legs of which the mode `phi` holds most. `seen`: the resonances of the rigid
+/// legs in the plant or the system that was measured; none:
 /// mechanics was.
-void find_rigid(const model::Machine& stated, const model::NamedPose& pose,
-                const std::vector<observation::Resonance>* seen,
-                const dynamics::LinearModel& flexible, const dynamics::ModelVector& phi,
-                MeasuredMode& mode) {
+int find_rigid(const model::Machine& stated, const model::NamedPose& pose,
+               const std::vector<observation::Resonance>* seen,
+               const dynamics::LinearModel& flexible, const dynamics::ModelVector& phi,
+               MeasuredMode& mode) {
   const auto rigid = dynamics::linear_model(without_mount_and_gimbals(stated), pose.X_BP,
                                             dynamics::ModelKind::rigid);
   const auto modes = modal::normal_modes(rigid);
@@ -201,7 +202,7 @@ void find_rigid(const model::Machine& stated, const model::NamedPose& pose,
     mode.rigid_mac = mac;
     mode.omega_rigid = modes.omega(most = r);
   }
-  if (seen == nullptr) return;
+  if (seen == nullptr) return most;
   const auto metric = observation::platform_metric(stated, pose.X_BP, stated.platform.mass_center);
   double alike = 0.0;
   for (const auto& resonance : *seen) {
@@ -211,6 +212,21 @@ void find_rigid(const model::Machine& stated, const model::NamedPose& pose,
     mode.omega_rigid = resonance.omega;
   }
   if (alike < same_motion) mode.rigid_mac = 0.0;  // no resonance to compare with
+  return most;
+}
+
+/// `rigid`: of each mode, the mode of rigid legs of which it holds most.
+void find_resonances(std::vector<MeasuredMode>& modes, const std::vector<int>& rigid) {
+  for (std::size_t i = 0; i < modes.size(); ++i) {
+    double largest = 0.0, left = 1.0;
+    for (std::size_t j = 0; j < modes.size(); ++j) {
+      if (modes[j].pose != modes[i].pose || rigid[j] != rigid[i]) continue;
+      largest = std::max(largest, modes[j].rigid_mac);
+      left -= modes[j].rigid_mac;
+    }
+    const double enough = ResonanceOptions{}.of_largest * std::max(largest, left);
+    modes[i].resonance = modes[i].rigid_mac >= std::max(enough, resonance_mac);
+  }
 }
 
 }  // namespace
@@ -230,6 +246,7 @@ void trace_modes(const model::MachineFile& file, Diagnosis& d) {
                                              *find_pose(file.machine, target.pose));
         });
   d.modes.clear();
+  std::vector<int> rigid_modes;
   for (std::size_t i = 0; i < d.targets.modes.size(); ++i) {
     const auto& target = d.targets.modes[i];
     MeasuredMode mode{.pose = target.pose,
@@ -245,7 +262,8 @@ void trace_modes(const model::MachineFile& file, Diagnosis& d) {
     const auto modes = modal::normal_modes(model);
     const dynamics::ModelVector phi = modes.shapes.col(best.fit.targets[i].mode);
     const auto at = seen.find(target.pose);
-    find_rigid(file.machine, *pose, at == seen.end() ? nullptr : &at->second, model, phi, mode);
+    rigid_modes.push_back(find_rigid(file.machine, *pose, at == seen.end() ? nullptr : &at->second,
+                                     model, phi, mode));
     const auto energy = modal::energy_shares(model, phi).front();
     mode.oil = energy.oil.sum();
     mode.guide_sleeves = energy.guide_sleeve.sum();
@@ -255,6 +273,7 @@ void trace_modes(const model::MachineFile& file, Diagnosis& d) {
     mode.bending = energy.bending.sum();
     d.modes.push_back(mode);
   }
+  find_resonances(d.modes, rigid_modes);
 }
 
 namespace {

@@ -60,8 +60,9 @@ std::array<FirstResonance, 6> first_resonances(const model::Machine& machine,
     if (!(modes.omega2.minCoeff() > 0.0)) continue;  // the legs fold
     const auto all = shares_of(rigid_modes.shapes.col(r), flexible, modes);
     const double largest = std::ranges::max_element(all, {}, &SharedMode::mac)->mac;
+    const double enough = std::max(options.least, options.of_largest * largest);
     for (const auto& mode : all) {
-      if (mode.mac >= options.of_largest * largest) {
+      if (mode.mac >= enough) {
         found.mode = mode.mode;
         found.omega = mode.omega;
         found.mac = mode.mac;

@@ -20,7 +20,7 @@
 /// Lines: those where the noise of a column is below `worst_noise` of it, spread evenly over the
 /// logarithm of the frequency from 0.6 times the lowest measured mode to 1.4 times the highest, at
 /// most `most_lines` over all poses, and besides those on the flanks of measured modes and at poles
-/// of the machine as stated; none within two half widths of a measured mode, where its damping
+/// of the nominal machine; none within two half widths of a measured mode, where its damping
 /// decides. Theory: docs/theory/diagnosis.md.
 
 #include "hydrapod/diagnosis/diagnose.hpp"

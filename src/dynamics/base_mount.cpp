@@ -72,8 +72,7 @@ Border carried(const ModelMatrix& A, const BaseColumns& T) {
 
 }  // namespace
 
-void condense_base(const model::Machine& machine, const LegsOnBase& legs, LinearModel& model) {
-  const auto& mount = *machine.base_mount;
+void condense_base(const model::BaseMount& mount, LinearModel& model) {
   const Matrix6 T = carried_by_base(model);
   const Vector6 stiffness = springs(mount);
   Vector6 give = Vector6::Zero();
@@ -91,27 +90,17 @@ void condense_base(const model::Machine& machine, const LegsOnBase& legs, Linear
   const Matrix6 K_platform = model.K.topLeftCorner<6, 6>();  // what turns the joints' forces
   model.K.topLeftCorner<6, 6>() =
       against_base.transpose() * K_platform * against_base + model.K_mount;
-  Matrix6 carried = own_inertia(mount).asDiagonal();
-  for (const auto& leg : legs) carried += leg.inertia;
   for (auto& J : model.J) J = J * against_base;
-  const PlatformRows P = momentum(legs, model);
-  const Matrix6 cross = G.transpose() * P.leftCols<6>();
-  model.M.topLeftCorner<6, 6>() += cross + cross.transpose();
-  model.M.topLeftCorner<6, 6>() += G.transpose() * carried * G;
-  const auto flexible = P.cols() - 6;
-  const ModelMatrix with_legs = G.transpose() * P.rightCols(flexible);
-  model.M.topRightCorner(6, flexible) += with_legs;
-  model.M.bottomLeftCorner(flexible, 6) += with_legs.transpose();
 }
 
-void add_base_coordinates(const model::Machine& machine, const LegsOnBase& legs,
+void add_base_coordinates(const model::BaseMount& mount, const LegsOnBase& legs,
                           const ModelMatrix& M_legs, LinearModel& model) {
   const auto& directions = model.base_directions;
   const BaseColumns T = carried_by_base(model)(Eigen::all, directions);
   model.base_moves = true;
   model.legs_on_base = legs;
-  model.base_inertia = own_inertia(*machine.base_mount);
-  model.k_mount = springs(*machine.base_mount);
+  model.base_inertia = own_inertia(mount);
+  model.k_mount = springs(mount);
   model.carried_by_base = T;
   model.against_base.middleCols(model.first_of_base(), T.cols()) = -T;
 

@@ -8,17 +8,15 @@
 ///     V = V_still(q − T q_b, φ, u) + ½ q_bᵀ K_m q_b
 ///     T = ½ q̇ᵀ M_P q̇ + T_legs(q̇ − T q̇_b, …) + q̇_bᵀ Σ p_i + ½ q̇_bᵀ (M_b + Σ M_i) q̇_b
 ///
-/// A base with inertia of its own has q_b as coordinates, in the directions that have a spring, the
-/// last of y: nothing is left out. A base without any only puts its springs in series with the
-/// legs'. Of all its motions the one is kept that the legs' springs force on it when the platform
-/// is held displaced:
+/// q_b are coordinates, in the directions that have a spring, the last of y: nothing is left out.
+/// Only where neither base nor legs have inertia the base puts its springs in series with the
+/// legs'. Its motion then is the one that the legs' springs force on it when the platform is held
+/// displaced:
 ///
 ///     q_b = G q,   (I + F S) G = F Tᵀ K_rr,   S = Tᵀ K_rr T,   F = diag(1/k) of the mount
 ///
-/// (Guyan's reduction with the flexible coordinates left as they are, so that legs still meet only
-/// in the platform.) Stiffness is exact then; what moves with such a base is the legs' inertia
-/// alone, and frequencies are upper bounds, exact where that is small beside the platform's. What
-/// the weight does on a base that tilts, m g h against the mount's k_rx, is left out.
+/// which is exact. What the weight does on a base that tilts, m g h against the mount's k_rx, is
+/// left out.
 
 #include "hydrapod/dynamics/linear_model.hpp"
 
@@ -26,13 +24,13 @@ namespace hydrapod::dynamics {
 
 using LegsOnBase = std::array<LegOnBase, model::leg_count>;
 
-/// Replaces model.J by J (I − T G) and adds the mount's parts to M and K. Called with J, the legs
-/// and the platform's parts of K in place, before the legs are added.
-void condense_base(const model::Machine& machine, const LegsOnBase& legs, LinearModel& model);
+/// Replaces model.J by J (I − T G) and adds the mount's part to K. Called with J, the legs and the
+/// platform's parts of K in place, before the legs are added. Neither base nor legs have inertia.
+void condense_base(const model::BaseMount& mount, LinearModel& model);
 
 /// The machine on a still base, complete but for Rayleigh's damping, gets model.base_directions as
 /// coordinates. `M_legs`: the legs' part of its M.
-void add_base_coordinates(const model::Machine& machine, const LegsOnBase& legs,
+void add_base_coordinates(const model::BaseMount& mount, const LegsOnBase& legs,
                           const ModelMatrix& M_legs, LinearModel& model);
 
 }  // namespace hydrapod::dynamics

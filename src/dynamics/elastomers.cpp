@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/units.hpp"
@@ -38,6 +39,18 @@ struct ArmSums {
   }
 };
 
+/// By their rates; arms of the same rate are one and one without stiffness.
+SealArms joined(SealArms arms) {
+  std::sort(arms.begin(), arms.end(),
+            [](const SealArm& a, const SealArm& b) { return a.rate < b.rate; });
+  for (std::size_t j = arms_per_seal - 1; j > 0; --j)
+    if (arms[j].rate - arms[j - 1].rate <= rounding * arms[j].rate) {
+      arms[j - 1].stiffness += arms[j].stiffness;
+      arms[j].stiffness = 0.0;
+    }
+  return arms;
+}
+
 void press(double pressure, double& stiffness, std::optional<model::Elastomer>& elastomer) {
   if (!elastomer) return;
   const double over = pressure - hydraulics::atmospheric_pressure;
@@ -48,8 +61,18 @@ void press(double pressure, double& stiffness, std::optional<model::Elastomer>& 
 }  // namespace
 
 SealArms seal_arms(double stiffness, const model::Elastomer& elastomer) {
-  const double growth = elastomer.dynamic_ratio - 1.0;
-  const double wanted = elastomer.loss_factor * elastomer.dynamic_ratio / growth;
+  SealArms arms;
+  if (elastomer.arms) {
+    for (std::size_t j = 0; j < arms_per_seal; ++j)
+      arms[j] = {.stiffness = elastomer.arms->strength[static_cast<int>(j)] * stiffness,
+                 .rate = 1.0 / elastomer.arms->time[static_cast<int>(j)]};
+    return arms;
+  }
+  if (!elastomer.dynamic_ratio || !elastomer.loss_factor || !elastomer.frequency)
+    throw std::invalid_argument(
+        "elastomer: neither arms nor a dynamic ratio with loss factor and frequency are given");
+  const double ratio = *elastomer.dynamic_ratio, growth = ratio - 1.0;
+  const double wanted = *elastomer.loss_factor * ratio / growth;
   // loss/storage of the arms grows with their rates as long as these are not far apart.
   double low = 1e-9 * std::min(1.0, wanted), high = 1e3 * std::max(1.0, wanted) * step;
   for (int k = 0; k < halvings && high > low * (1.0 + rounding); ++k) {
@@ -59,27 +82,26 @@ SealArms seal_arms(double stiffness, const model::Elastomer& elastomer) {
   }
   const auto rates = rates_about(std::sqrt(low * high));
   const double each = growth * stiffness / ArmSums(rates).storage;
-  SealArms arms;
   for (std::size_t j = 0; j < arms_per_seal; ++j)
-    arms[j] = {.stiffness = each, .rate = base::two_pi * elastomer.frequency * rates[j]};
+    arms[j] = {.stiffness = each, .rate = base::two_pi * *elastomer.frequency * rates[j]};
   return arms;
 }
 
 SealArms arms_in_series(const SealArms& arms, double k, double f) {
   constexpr double least = 1e-9;  // of the arms' share in series: below, they are what they were
   if (!(f * (arms[0].stiffness + arms[1].stiffness + arms[2].stiffness) > least)) return arms;
-  SealArms sorted = arms;
-  std::sort(sorted.begin(), sorted.end(),
-            [](const SealArm& a, const SealArm& b) { return a.rate < b.rate; });
+  const auto sorted = joined(arms);
   // 1 + f k(−μ), which falls from ∞ (from 1 + f k at μ = 0) to −∞ between two rates.
   const auto excess = [&](double mu) {
     double sum = 1.0 + f * k;
-    for (const auto& arm : sorted) sum += f * arm.stiffness * mu / (mu - arm.rate);
+    for (const auto& arm : sorted)
+      if (arm.stiffness > 0.0) sum += f * arm.stiffness * mu / (mu - arm.rate);
     return sum;
   };
-  SealArms result;
+  SealArms result = sorted;
   double from = 0.0;
   for (std::size_t j = 0; j < arms_per_seal; ++j) {
+    if (sorted[j].stiffness == 0.0) continue;
     double low = from, high = sorted[j].rate;
     from = high;
     for (int n = 0; n < halvings && high - low > rounding * high; ++n) {
@@ -88,7 +110,8 @@ SealArms arms_in_series(const SealArms& arms, double k, double f) {
     }
     double slope = 0.0;  // of k(p) at −μ
     for (const auto& arm : sorted)
-      slope += arm.stiffness * arm.rate / ((arm.rate - low) * (arm.rate - low));
+      if (arm.stiffness > 0.0)
+        slope += arm.stiffness * arm.rate / ((arm.rate - low) * (arm.rate - low));
     const double chords_per_seal = 1.0 + f * k;
     result[j] = {.stiffness = chords_per_seal * chords_per_seal / (f * f * slope * low),
                  .rate = low};
@@ -106,6 +129,7 @@ void fill_seal_arms(const model::Machine& machine, LinearModel& model) {
     const double f = model.legs[leg].bending;
     if (what == Relaxing::sleeve && f > 0.0) arms = arms_in_series(arms, stiffness, f);
     for (const auto& arm : arms) {
+      if (arm.stiffness == 0.0) continue;
       closed += arm.stiffness;
       for (const int axis : {0, 1})
         model.arms.push_back({.leg = leg,

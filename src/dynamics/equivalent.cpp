@@ -15,7 +15,7 @@ namespace hydrapod::dynamics {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// Mean force of seal and guide ring, its derivative by the mean offset, and S.
 struct PeriodSums {
@@ -24,13 +24,15 @@ struct PeriodSums {
   bool touches{};
 
   PeriodSums(const model::GuideSleeve& sleeve, const Vector2& mean, const Vector2& amplitude) {
+    slope = sleeve.stiffness * Eigen::Matrix2d::Identity();
+    force = sleeve.stiffness * mean;
+    if (!(mean.norm() + amplitude.norm() > (1.0 - GuideContact::smoothing) * *sleeve.gap)) return;
     // The motion there is the motion back: half of a period has it all.
     const auto ends = smooth_pieces(sleeve, mean, amplitude);
     for (std::size_t piece = 0; piece + 1 < ends.size(); ++piece)
       over_piece<20>(ends[piece], ends[piece + 1], [&](double theta, double weight) {
         add(sleeve, mean, amplitude, theta, weight / pi);
       });
-    slope += sleeve.stiffness * Eigen::Matrix2d::Identity();
   }
 
  private:
@@ -57,9 +59,9 @@ struct PeriodSums {
     const Vector2 d = mean + std::cos(theta) * amplitude;
     const double offset = d.norm();
     const auto contact = guide_contact(sleeve, offset);
-    force += weight * (sleeve.stiffness + contact.secant) * d;
     if (contact.tangent == 0.0) return;
     touches = true;
+    force += weight * contact.secant * d;
     const Vector2 r = d / offset;
     const Eigen::Matrix2d J = contact.secant * Eigen::Matrix2d::Identity() +
                               (contact.tangent - contact.secant) * r * r.transpose();

@@ -154,4 +154,22 @@ LegOnBase leg_on_base(const model::Leg& leg, const Vector3& a, model::FlexibleAx
   return on_base;
 }
 
+DrawnLeg drawn_leg(const model::Leg& leg, const LegElement& element, model::FlexibleAxes axes,
+                   const LegState& state) {
+  if (leg.strut) {
+    const DrawnPoint joint{.p = leg.base_joint};
+    return {joint, joint, joint};
+  }
+  const auto at = bent_geometry(leg, element, axes, state);
+  const Matrix3& R = element.frame.R_BL;
+  const auto drawn = [&](const Vector3& p_L, const Matrix37& rates) {
+    DrawnPoint point{leg.base_joint + R * p_L, R * rates};
+    point.p_x.leftCols<3>() *= R.transpose();
+    return point;
+  };
+  return {drawn(leg.guide_sleeve.position * n_L, leg.guide_sleeve.position * at.n_rate),
+          drawn(at.piston, at.rod_velocity(0.0)),
+          drawn(at.piston + element.l_mh * at.e, at.rod_velocity(element.l_mh))};
+}
+
 }  // namespace hydrapod::dynamics

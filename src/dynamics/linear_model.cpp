@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
-#include <optional>
+#include <algorithm>
 #include <stdexcept>
 
 #include "base_mount.hpp"
@@ -56,14 +56,6 @@ Matrix3 rotation_curvature(const Vector3& lambda, const Vector3& arm) {
          lambda.dot(arm) * Matrix3::Identity();
 }
 
-void check_piston_rings(const model::Machine& machine, ModelKind kind) {
-  if (kind != ModelKind::full) return;
-  for (int i = 0; i < model::leg_count; ++i)
-    if (!machine.legs[i].piston_ring)
-      throw std::invalid_argument(
-          fmt::format("the full model needs legs.piston_ring.stiffness; leg {} has none", i + 1));
-}
-
 const char* reason(StaticsStatus status) {
   switch (status) {
     case StaticsStatus::singular:
@@ -96,14 +88,37 @@ void bend_legs(const std::array<BentLeg, model::leg_count>& bent,
 
 }  // namespace
 
+void require_kind(const model::Machine& machine, ModelKind kind) {
+  if (kind != ModelKind::rigid && model::leg_type(machine) == model::LegType::strut)
+    throw std::invalid_argument("plain struts have the rigid model alone");
+  if (kind != ModelKind::full) return;
+  for (int i = 0; i < model::leg_count; ++i)
+    if (!machine.legs[i].piston_ring)
+      throw std::invalid_argument(
+          fmt::format("the full model needs legs.piston_ring.stiffness; leg {} has none", i + 1));
+}
+
 const char* name(ModelKind kind) {
   return kind == ModelKind::rigid ? "rigid" : kind == ModelKind::guide ? "guide" : "full";
 }
 
+namespace {
+
+/// Does a base that moves carry inertia of this leg?
+bool has_inertia(const model::Leg& leg) {
+  const auto& tube = leg.cylinder_case;
+  const auto& rod = leg.rod;
+  return tube.mass + tube.transverse_inertia + rod.mass + rod.transverse_inertia > 0.0;
+}
+
+}  // namespace
+
 std::vector<int> base_directions(const model::Machine& machine) {
   if (!machine.base_mount) return {};
   const auto& mount = *machine.base_mount;
-  if (mount.mass == 0.0 && mount.inertia.isZero(0.0)) return {};
+  const bool inert = mount.mass > 0.0 || !mount.inertia.isZero(0.0) ||
+                     std::ranges::any_of(machine.legs, has_inertia);
+  if (!inert) return {};
   std::vector<int> directions;
   for (int k = 0; k < 6; ++k)
     if (mount.stiffness[static_cast<std::size_t>(k)]) directions.push_back(k);
@@ -156,9 +171,10 @@ void find_equilibrium(const model::Machine& machine, const kinematics::LegGeomet
 /// `base`: its directions that are coordinates.
 LinearModel assembled(const model::Machine& machine, const spatial::Pose& X_BP, ModelKind kind,
                       const std::vector<int>& base, const StaticsSearch& search) {
-  check_piston_rings(machine, kind);
+  require_kind(machine, kind);
   LinearModel model;  // an initialiser list would set all of its 60 kB to zero
   model.kind = kind;
+  model.leg_type = model::leg_type(machine);
   model.X_BP = X_BP;
   model.p_BC = kinematics::mass_center(machine, X_BP);
   model.base_directions = base;
@@ -186,16 +202,15 @@ LinearModel assembled(const model::Machine& machine, const spatial::Pose& X_BP, 
   if (chambers) fill_chambers(machine, model);
   const bool elastomers = model::has_elastomers(machine);
   if (elastomers) fill_seal_arms(machine, model);
-  std::optional<LegsOnBase> on_base;  // large, and most machines have none
-  if (machine.base_mount) on_base = legs_on_base(machine, geometry, model.statics);
-  if (machine.base_mount && base.empty()) condense_base(machine, *on_base, model);
+  if (machine.base_mount && base.empty()) condense_base(*machine.base_mount, model);
   add_legs(&LegElement::M, model, model.M);
   add_legs(&LegElement::K, model, model.K);
   add_legs(&LegElement::C, model, model.C);
   if (!base.empty()) {
     ModelMatrix M_legs = ModelMatrix::Zero(dof, dof);
     add_legs(&LegElement::M, model, M_legs);
-    add_base_coordinates(machine, *on_base, M_legs, model);
+    add_base_coordinates(*machine.base_mount, legs_on_base(machine, geometry, model.statics),
+                         M_legs, model);
   }
   add_payload(machine, model);
   if (!model.arms.empty()) point_arms(model);

@@ -30,14 +30,6 @@ Matrix3 rotation(const double* quaternion) {
       .toRotationMatrix();
 }
 
-void require_piston_rings(const model::Machine& machine, ModelKind kind) {
-  if (kind != ModelKind::full) return;
-  for (int i = 0; i < model::leg_count; ++i)
-    if (!machine.legs[i].piston_ring)
-      throw std::invalid_argument(
-          fmt::format("the full model needs legs.piston_ring.stiffness; leg {} has none", i + 1));
-}
-
 /// A bend given in the frame of `bent_leg` (its axis depends on the pose) in a frame on `axis`.
 LegState in_frame(const model::Leg& leg, const Vector3& a, model::FlexibleAxes axes,
                   const Vector3& axis, const LegState& state) {
@@ -273,7 +265,7 @@ NonlinearModel::NonlinearModel(const model::Machine& machine, ModelKind kind,
       kind_(kind),
       spinning_(machine.flexible_axes == model::FlexibleAxes::gimbal),
       joint_friction_(has_joint_friction(machine)) {
-  require_piston_rings(machine, kind);
+  require_kind(machine, kind);
   const auto geometry = kinematics::inverse_kinematics(machine, X_reference);
   for (int i = 0; i < model::leg_count; ++i) {
     const auto& leg = machine.legs[i];

@@ -105,6 +105,7 @@ FmuMachine machine_of(const Machine& machine, const model::NamedPose& pose,
 
 Fmu fmu(const Machine& machine, const model::NamedPose& pose, const FmuOptions& options,
         const FileHead& head) {
+  if (options.hydraulics) hydraulics::require_hydraulics(machine);
   auto held = machine_of(machine, pose, options);
   const simulation::Plant plant(held.machine, held.kind, held.options(), held.reference());
   const auto rest = plant.equilibrium(held.reference());

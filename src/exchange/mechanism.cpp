@@ -191,6 +191,19 @@ void add_damping_parity(const Machine& machine, const model::ModalRatio& ratio, 
                       "the format has no force in proportion to a body's own velocity"});
 }
 
+ParityLine axial_parity(model::LegType type) {
+  switch (type) {
+    case model::LegType::strut:
+      return {Held::exact, "struts", "tendons with stiffness and damping"};
+    case model::LegType::screw:
+      return {Held::exact, "screws", "linear springs with dampers; the motors are held"};
+    case model::LegType::cylinder:
+      break;
+  }
+  return {Held::approximate, "oil columns",
+          "linear springs with dampers at this pose; valves are closed, chambers are not held"};
+}
+
 /// Whose Rayleigh β the seals' dampers hold.
 Machine without_springs(Machine machine) {
   machine.damping.rayleigh_stiffness = 0.0;
@@ -230,10 +243,8 @@ Mechanism mechanism(const Machine& of_file, const Pose& X_BP, dynamics::ModelKin
   }
   constexpr double thin = 0.08;  // of the platform's radius, in pictures
   result.plate = thin * radius;
-  result.parity = {
-      {Held::exact, "geometry, masses, inertias, gravity", "17 digits"},
-      {Held::approximate, "oil columns",
-       "linear springs with dampers at this pose; valves are closed, chambers are not held"}};
+  result.parity = {{Held::exact, "geometry, masses, inertias, gravity", "17 digits"},
+                   axial_parity(model::leg_type(machine))};
   if (chambers)
     result.parity.push_back(
         {Held::approximate, "oil damping (damping.oil = \"chambers\")",
@@ -304,6 +315,11 @@ std::string xml_text(const std::string& text) {
 MultibodyFile multibody_file(const Machine& machine, const Pose& X_BP, dynamics::ModelKind kind,
                              MultibodyFormat format) {
   const bool coupled = format == MultibodyFormat::mjcf;
+  const bool struts = model::leg_type(machine) == model::LegType::strut;
+  if (struts && !coupled)
+    base::refuse("legs.strut",
+                 "has no mass, and links of SDF and URDF need one; expected MJCF, where struts are "
+                 "tendons");
   const bool lose_offset = !coupled && kind == dynamics::ModelKind::full;
   auto parts = mechanism(machine, X_BP, lose_offset ? dynamics::ModelKind::guide : kind);
   MultibodyFile file{.parity = parts.parity};
@@ -324,8 +340,9 @@ MultibodyFile multibody_file(const Machine& machine, const Pose& X_BP, dynamics:
                       "the hinges keep the stiffness that they have at this pose"});
   switch (format) {
     case MultibodyFormat::mjcf:
-      parity.push_back({Held::approximate, "closed loops",
-                        "equality constraints; MuJoCo makes them stiff, not rigid"});
+      if (!struts)
+        parity.push_back({Held::approximate, "closed loops",
+                          "equality constraints; MuJoCo makes them stiff, not rigid"});
       file.text = mjcf_text(machine, parts);
       break;
     case MultibodyFormat::sdf:

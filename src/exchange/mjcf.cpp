@@ -113,6 +113,35 @@ std::string mjcf_actuators() {
          sensors + "</sensor>\n";
 }
 
+/// Struts are tendons between two sites: springs and dampers without mass.
+std::string mjcf_struts(const Machine& machine, const Mechanism& all) {
+  std::string tendons, motors, sensors;
+  for (std::size_t i = 0; i < model::leg_count; ++i) {
+    const auto& leg = machine.legs[i];
+    const auto& spring = all.legs[i].oil;
+    const double length = (all.X_BP * leg.platform_joint - leg.base_joint).norm();
+    tendons += fmt::format(
+        "<spatial name='leg{0}' stiffness='{1:.17g}' damping='{2:.17g}' springlength='{3:.17g}'>"
+        "<site site='leg{0}.base'/><site site='leg{0}.joint'/></spatial>\n",
+        i + 1, spring.stiffness, spring.damping, length - spring.rest_force / spring.stiffness);
+    motors += fmt::format("<motor name='leg{0}.force' tendon='leg{0}'/>\n", i + 1);
+    sensors += fmt::format("<tendonpos name='leg{0}.length' tendon='leg{0}'/>\n", i + 1);
+  }
+  return "<tendon>\n" + tendons + "</tendon>\n<actuator>\n" + motors +
+         "</actuator>\n<sensor>\n"
+         "<framepos name='platform.position' objtype='xbody' objname='platform'/>\n"
+         "<framequat name='platform.orientation' objtype='xbody' objname='platform'/>\n" +
+         sensors + "</sensor>\n";
+}
+
+std::string mjcf_sites(const Machine& machine, const char* end, Vector3 model::Leg::*joint) {
+  std::string sites;
+  for (std::size_t i = 0; i < model::leg_count; ++i)
+    sites += fmt::format("<site name='leg{}.{}' pos='{}'/>\n", i + 1, end,
+                         vector_text(machine.legs[i].*joint));
+  return sites;
+}
+
 /// 1/80 of the fastest mode's radian, and less where the loops would yield too much. A constraint
 /// with the time constant 2 h and the impedance 1 − 1e-4 acts as a spring m / (1e-4 (2 h)²) in
 /// series with the oil spring k, m being the mass of the rod that moves along the leg. It lowers ω
@@ -133,10 +162,12 @@ double mjcf_step(const Machine& machine, const Mechanism& all) {
 std::string mjcf_text(const Machine& machine, const Mechanism& all) {
   const double step = mjcf_step(machine, all);
   const auto inertia = principal(machine.platform.inertia);
+  const bool struts = model::leg_type(machine) == model::LegType::strut;
   std::string out = fmt::format(
       "<mujoco model='{}'>\n"
-      "<!-- hydrapod export: SI units; every joint is 0 at rest; motors are forces of the oil "
-      "columns on top of their springs -->\n"
+      "<!-- hydrapod export: SI units; every joint is 0 at rest; motors are forces of the {} on "
+      "top "
+      "of their springs -->\n"
       "<compiler angle='radian' balanceinertia='false' boundmass='0' boundinertia='0' "
       "fitaabb='false'/>\n"
       "<option gravity='{}' timestep='{:.6g}' integrator='RK4' solver='Newton' "
@@ -147,16 +178,23 @@ std::string mjcf_text(const Machine& machine, const Mechanism& all) {
       "<material name='case' rgba='0.35 0.37 0.4 1'/>\n<material name='rod' rgba='0.8 0.82 0.85 "
       "1'/>\n"
       "<material name='joint' rgba='0.2 0.2 0.22 1'/>\n{}</asset>\n",
-      xml_text(all.name), vector_text(machine.gravity), step, 2.0 * step,
-      mjcf_plate(machine, all.plate));
+      xml_text(all.name),
+      model::leg_type(machine) == model::LegType::cylinder
+          ? "oil columns"
+          : model::axial_part(model::leg_type(machine)),
+      vector_text(machine.gravity), step, 2.0 * step, mjcf_plate(machine, all.plate));
   out += fmt::format(
       "<worldbody>\n<light pos='0 0 {:.3g}'/>\n"
       "<body name='platform' pos='{}' quat='{}'>\n<freejoint name='platform'/>\n"
       "<inertial pos='{}' quat='{}' mass='{:.17g}' diaginertia='{}'/>\n"
-      "<geom type='mesh' mesh='plate' material='platform'/>\n</body>\n",
+      "<geom type='mesh' mesh='plate' material='platform'/>\n{}</body>\n",
       3.0 * all.X_BP.p_BP.norm(), vector_text(all.X_BP.p_BP), quaternion_text(all.X_BP.R_BP),
       vector_text(machine.platform.mass_center), quaternion_text(inertia.axes),
-      machine.platform.mass, vector_text(inertia.moments));
+      machine.platform.mass, vector_text(inertia.moments),
+      struts ? mjcf_sites(machine, "joint", &model::Leg::platform_joint) : "");
+  if (struts)
+    return out + mjcf_sites(machine, "base", &model::Leg::base_joint) + "</worldbody>\n" +
+           mjcf_struts(machine, all) + "</mujoco>\n";
   for (std::size_t i = 0; i < model::leg_count; ++i) out += mjcf_leg(machine, all, i);
   out += "</worldbody>\n<equality>\n";
   for (std::size_t i = 0; i < model::leg_count; ++i)

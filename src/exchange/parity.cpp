@@ -69,9 +69,9 @@ Parity superelement_parity(const Machine& machine, const Superelement& element, 
                       fmt::format("those from {:.4g} Hz on, with the interface held, are left out",
                                   element.first_left_out / base::two_pi)});
   if (machine.base_mount && element.base_directions.empty())
-    parity.push_back({Held::approximate, "base",
-                      "its mount is condensed: it has no mass, or no "
-                      "compliant direction"});
+    parity.push_back({Held::exact, "base",
+                      "its mount is in series with the legs: neither they nor the base have "
+                      "inertia"});
   parity.push_back({Held::approximate, "oil columns", "springs with a damper; valves are closed"});
   return parity;
 }

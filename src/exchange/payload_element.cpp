@@ -66,6 +66,20 @@ Vector6 with_sign(const Vector6& L) {
   return L[largest] < 0.0 ? Vector6(-L) : L;
 }
 
+/// Of the dampers `C` between modes.
+PayloadFromElement::Coupling largest_coupling(const Eigen::VectorXd& omega2, const MatrixXd& C) {
+  PayloadFromElement::Coupling largest;
+  for (Index j = 0; j < C.rows(); ++j)
+    for (Index k = 0; k < C.cols(); ++k) {
+      if (j == k || C(j, k) == 0.0) continue;
+      const double apart = std::abs(omega2[j] - omega2[k]), omega = std::sqrt(omega2[k]);
+      // at equal frequencies a damper makes two modes of both, whatever they were
+      const double share = std::min(1.0, std::abs(C(j, k)) * omega / std::max(apart, 1e-300));
+      if (share > largest.share) largest = {share, omega, std::sqrt(omega2[j])};
+    }
+  return largest;
+}
+
 }  // namespace
 
 PayloadFromElement payload_modes(const PayloadElement& element,
@@ -100,6 +114,7 @@ PayloadFromElement payload_modes(const PayloadElement& element,
                            "stiffness of its lowest mode, expected less than {}: it must stand on "
                            "the platform alone, as one rigid interface at the stated point",
                            result.rigid_stiffness, most_resistance));
+  std::vector<Index> kept;
   for (Index k = 0; k < inner; ++k) {
     const Eigen::VectorXd phi = solver.eigenvectors().col(k);
     const Vector6 L = with_sign(M_ci * phi);
@@ -117,7 +132,13 @@ PayloadFromElement payload_modes(const PayloadElement& element,
     mode.participation = l;
     mode.participation_moment = L.tail<3>() + options.p_PI.cross(l);
     result.modes.push_back(mode);
+    kept.push_back(k);
   }
+  if (element.C.size() > 0)
+    result.coupling = largest_coupling(solver.eigenvalues()(kept),
+                                       solver.eigenvectors()(Eigen::all, kept).transpose() *
+                                           element.C.bottomRightCorner(inner, inner) *
+                                           solver.eigenvectors()(Eigen::all, kept));
   if (result.modes.empty())
     base::refuse(
         place,

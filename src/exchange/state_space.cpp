@@ -233,6 +233,7 @@ void sample_loop(const simulation::LinearSystem& linear, Index plant_states, con
 
 StateSpace with_hydraulics(const Machine& machine, const Pose& X_BP,
                            const StateSpaceOptions& options) {
+  hydraulics::require_hydraulics(machine);
   const bool closed = options.system == SystemKind::loop;
   const auto linear = simulation::linear_system(
       machine, X_BP, {.kind = options.kind, .pade_order = options.pade_order, .closed = closed});

@@ -105,6 +105,7 @@ void assume_lines(const model::Machine& machine, std::vector<Assumption>& all) {
 }  // namespace
 
 std::vector<Assumption> hydraulic_assumptions(const model::Machine& machine) {
+  if (model::leg_type(machine) != model::LegType::cylinder) return {};
   std::array<std::vector<Assumption>, leg_count> legs;
   for (int i = 0; i < leg_count; ++i) legs[i] = of_leg(machine, i);
   const auto shared = [&](const Assumption& one) {

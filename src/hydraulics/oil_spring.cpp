@@ -90,6 +90,8 @@ double line_inertia(const model::Leg& leg, double l_m) {
 }
 
 double oil_stiffness(const model::Leg& leg, double l_m) {
+  if (leg.strut) return leg.strut->stiffness;
+  if (leg.screw) return leg.screw->stiffness;
   if (leg.oil_spring.stiffness) return *leg.oil_spring.stiffness;
   if (!leg.oil_spring.cylinder)
     throw std::invalid_argument("oil spring: neither stiffness nor cylinder is given");
@@ -110,9 +112,12 @@ double oil_stiffness(const model::Leg& leg, double l_m) {
 
 AxialSpring axial_spring(const model::Leg& leg, double l_m) {
   const double k_h = oil_stiffness(leg, l_m);
-  if (!leg.gimbal_stiffness) return {k_h, leg.oil_spring.damping};
+  const double damping = leg.strut   ? leg.strut->damping
+                         : leg.screw ? leg.screw->damping
+                                     : leg.oil_spring.damping;
+  if (!leg.gimbal_stiffness) return {k_h, damping};
   const double share = *leg.gimbal_stiffness / (k_h + *leg.gimbal_stiffness);
-  return {k_h * share, leg.oil_spring.damping * share * share};
+  return {k_h * share, damping * share * share};
 }
 
 }  // namespace hydrapod::hydraulics

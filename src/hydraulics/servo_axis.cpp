@@ -3,6 +3,8 @@
 #include <cmath>
 #include <limits>
 
+#include "hydrapod/base/error.hpp"
+
 namespace hydrapod::hydraulics {
 
 namespace {
@@ -83,21 +85,25 @@ double stiffness(const ServoAxis& axis) {
                                   axis.area.annulus * axis.area.annulus / axis.volume.rod);
 }
 
+/// `spring`: the leg's axial stiffness [N/m].
+Stops stops_between(double low, double high, const model::EndStops& given, double spring) {
+  return {.low = low,
+          .high = high,
+          .stiffness = given.stiffness.value_or(stop_stiffness_ratio * spring),
+          .damping = given.damping};
+}
+
 void set_stops(const model::Leg& leg, ServoAxis& axis) {
-  auto& stops = axis.stops;
-  if (leg.stroke) {
-    stops.low = leg.stroke->retracted;
-    stops.high = leg.stroke->retracted + leg.stroke->length;
-  } else {
-    const double L_g = leg.guide_sleeve.position, s = axis.s_mid;
-    const double in = std::min({axis.volume.cap / axis.area.piston, s, s - (L_g - leg.rod.length)});
-    const double out = std::min(axis.volume.rod / axis.area.annulus, L_g - s);
-    stops.low = s - usable_share * in;
-    stops.high = s + usable_share * out;
-  }
   const auto& given = leg.hydraulics.end_stops;
-  stops.stiffness = given.stiffness.value_or(stop_stiffness_ratio * stiffness(axis));
-  stops.damping = given.damping;
+  if (leg.stroke) {
+    const auto& [retracted, length] = *leg.stroke;
+    axis.stops = stops_between(retracted, retracted + length, given, stiffness(axis));
+    return;
+  }
+  const double L_g = leg.guide_sleeve.position, s = axis.s_mid;
+  const double in = std::min({axis.volume.cap / axis.area.piston, s, s - (L_g - leg.rod.length)});
+  const double out = std::min(axis.volume.rod / axis.area.annulus, L_g - s);
+  axis.stops = stops_between(s - usable_share * in, s + usable_share * out, given, stiffness(axis));
 }
 
 double rated_flow(const model::Leg& leg, const ServoAxis& axis) {
@@ -178,7 +184,29 @@ double falling_zero(double low, double high, Function function) {
 
 }  // namespace
 
+void require_hydraulics(const model::Machine& machine) {
+  if (model::leg_type(machine) == model::LegType::strut)
+    base::refuse("legs.strut",
+                 "has no valves, oil and supply, and this needs hydraulics; expected what is of "
+                 "mechanics alone (in simulations --actuators springs), or hydraulic cylinders "
+                 "(legs.oil_spring)");
+  if (model::leg_type(machine) == model::LegType::screw)
+    base::refuse("legs.screw",
+                 "has no valves, oil and supply, and this needs hydraulics; expected what contains "
+                 "electric drives (simulate, rig, modes, bode), or hydraulic cylinders "
+                 "(legs.oil_spring)");
+}
+
+Stops mechanical_stops(const model::Leg& leg) {
+  constexpr double infinite = std::numeric_limits<double>::infinity();
+  if (!leg.stroke) return {.low = -infinite, .high = infinite};
+  const auto& [retracted, length] = *leg.stroke;
+  const double spring = axial_spring(leg, retracted + 0.5 * length).stiffness;
+  return stops_between(retracted, retracted + length, leg.hydraulics.end_stops, spring);
+}
+
 ServoAxis servo_axis(const model::Machine& machine, int i) {
+  require_hydraulics(machine);
   const auto& leg = machine.legs[i];
   const auto& supply = machine.hydraulics.supply;
   ServoAxis axis;

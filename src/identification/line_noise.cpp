@@ -11,21 +11,35 @@ namespace hydrapod::identification {
 
 namespace {
 
-/// Do the inputs drive a mode, by its power beside that of its transient?
+constexpr double nearly_all = 0.999;  ///< |g| of the nearest line of every record
+
+/// What inputs and transients make of a mode at a line.
+struct Parts {
+  Complex by_inputs{}, rings{};
+};
+Parts parts_at(const RecordLines& lines, const FrequencyResponses& r, const FittedMode& mode,
+               std::size_t line) {
+  const VectorXcd& U = r.excitation[line];
+  const Index p = lines.U.cols();
+  return {mode.participation.head(p).transpose() * U.head(p),
+          mode.participation.tail(lines.records).transpose() * U.tail(lines.records)};
+}
+
+/// Do the inputs drive a mode, by its power beside that of its transient? A tone with a whole
+/// number of periods in the record is all in one line, where inputs explain it as well as a
+/// transient does: what they drive is then nowhere else.
 bool is_driven(const RecordOptions& options, const RecordLines& lines, const FrequencyResponses& r,
                const FittedMode& mode) {
   const VectorXcd g = PoleBasis(r, false).at(mode.pole).g;
-  const Index p = lines.U.cols();
-  double driven = 0.0, free = 0.0;
+  const double nearest = nearly_all * g.cwiseAbs().maxCoeff();
+  double driven = 0.0, free = 0.0, beside = 0.0;
   for (Index k = 0; k < g.size(); ++k) {
-    const VectorXcd& U = r.excitation[static_cast<std::size_t>(k)];
-    const Complex by_inputs = mode.participation.head(p).transpose() * U.head(p);
-    const Complex rings =
-        mode.participation.tail(lines.records).transpose() * U.tail(lines.records);
+    const auto [by_inputs, rings] = parts_at(lines, r, mode, static_cast<std::size_t>(k));
     driven += std::norm(g[k] * by_inputs);
     free += std::norm(g[k] * rings);
+    if (std::abs(g[k]) < nearest) beside += std::norm(g[k] * by_inputs);
   }
-  return driven >= options.tone_driven * free;
+  return driven >= options.tone_driven * free && beside >= options.tone_beside * driven;
 }
 
 bool is_tone(const RecordOptions& options, const RecordLines& lines, const FrequencyResponses& r,
@@ -79,11 +93,13 @@ bool try_tone(const IdentifyOptions& options, const RecordLines& lines, double f
 data::Harmonic harmonic_of(const FittedMode& tone, const RecordLines& lines,
                            const FrequencyResponses& r) {
   const double T = lines.duration;
+  const VectorXcd g = PoleBasis(r, false).at(tone.pole).g;
+  const double nearest = nearly_all * g.cwiseAbs().maxCoeff();
   double size = 0.0;
-  for (std::size_t k = 0; k < r.lines(); ++k) {
-    const Complex rings =
-        tone.participation.tail(lines.records).transpose() * r.excitation[k].tail(lines.records);
-    size = std::max(size, std::abs(rings));
+  for (Index k = 0; k < g.size(); ++k) {
+    if (std::abs(g[k]) < nearest) continue;
+    const auto [by_inputs, rings] = parts_at(lines, r, tone, static_cast<std::size_t>(k));
+    size = std::max(size, std::abs(by_inputs + rings));
   }
   const double turned = std::max(std::abs(std::exp(tone.pole * T) - 1.0), 1e-12);
   return {.frequency = tone.pole.imag() / two_pi,

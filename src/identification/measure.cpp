@@ -25,7 +25,6 @@
 #include "short_record.hpp"
 #include "spikes.hpp"
 #include "tones.hpp"
-#include "two_clocks.hpp"
 #include "wandering_tones.hpp"
 
 namespace hydrapod::identification {
@@ -89,7 +88,6 @@ Attempt responses_without(const std::vector<Spike>& spikes, data::RecordSet& rec
     return {std::move(*hits), true};
   const Plan planned = plan;
   Reading reading = plan_reading(records, plan, options, beginning);
-  find_clocks(records, reading, m);
   read_spectra(records, reading, progress, m);
   if (plan.estimator == Estimator::h1 && !m.interrupted)
     refuse_roving(records, m.spectra, reading.used, plan.choice);
@@ -106,7 +104,7 @@ Attempt responses_without(const std::vector<Spike>& spikes, data::RecordSet& rec
   const auto changes = bring_outputs_to_platform(options, plan.choice, m);
   if (const auto blocks = too_few_blocks(records, reading, options); blocks && !m.interrupted) {
     m.responses.harmonics = harmonics;
-    if (keep_short_record(records, reading, *blocks, changes, plan.choice, m)) {
+    if (keep_short_record(records, reading, *blocks, options, changes, plan.choice, m)) {
       m.choice = std::move(plan.choice);
       m.reading = std::make_shared<const Reading>(std::move(reading));
       return {std::move(m), is_suspicious};

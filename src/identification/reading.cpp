@@ -98,23 +98,6 @@ Reading plan_reading(data::RecordSet& records, Plan& plan, const MeasureOptions&
   return reading;
 }
 
-void find_clocks(data::RecordSet& records, Reading& reading, Measurement& m) {
-  const auto& choice = reading.plan.choice;
-  if (reading.plan.estimator != Estimator::h1 || reading.spectrum.periodic) return;
-  reading.clocks = find_two_clocks(records, reading.used, choice, reading.settling);
-  if (!reading.clocks) return;
-  const auto name = [&](int c) {
-    return records.header().channels[reading.used[static_cast<std::size_t>(c)]].name;
-  };
-  m.responses.warnings.push_back({.kind = data::ResponseWarning::Kind::two_clocks,
-                                  .channel = name(reading.clocks->outputs.front()),
-                                  .other = name(choice.inputs.front()),
-                                  .value = reading.clocks->ratio,
-                                  .share = std::abs(reading.clocks->turn),
-                                  .count = std::ssize(reading.clocks->outputs),
-                                  .total = std::ssize(choice.outputs)});
-}
-
 Streamed stream_read(data::RecordSet& records, const Reading& reading,
                      const numerics::Progress& progress,
                      const std::function<void(std::size_t)>& begin,
@@ -167,18 +150,52 @@ Streamed stream_read(data::RecordSet& records, const Reading& reading,
 
 namespace {
 
-/// Reads all files into m.spectra.
+/// Reads all files into m.spectra, and past `clocks`, where there is such a search.
 Streamed read_once(data::RecordSet& records, const Reading& reading,
-                   const numerics::Progress& progress, Measurement& m) {
+                   const numerics::Progress& progress, Measurement& m,
+                   ClockSearch* clocks = nullptr) {
   SpectrumEstimator estimator(m.header, reading.spectrum, reading.used);
   const auto streamed = stream_read(
-      records, reading, progress, [&](std::size_t) { estimator.begin_record(reading.settling); },
-      [&](const Eigen::Ref<const data::Samples>& block) { estimator.add(block); });
+      records, reading, progress,
+      [&](std::size_t record) {
+        estimator.begin_record(reading.settling);
+        if (clocks != nullptr) clocks->begin_record(record);
+      },
+      [&](const Eigen::Ref<const data::Samples>& block) {
+        estimator.add(block);
+        if (clocks != nullptr) clocks->add(block);
+      });
   m.samples = streamed.samples;
   m.interrupted = !streamed.whole;
   m.notes = records.notes();
   m.spectra = estimator.result();
   return streamed;
+}
+
+/// As read_once(), and once more where outputs have another clock than inputs, at one clock.
+void read_at_one_clock(data::RecordSet& records, Reading& reading,
+                       const numerics::Progress& progress, Measurement& m) {
+  const auto& choice = reading.plan.choice;
+  if (reading.plan.estimator != Estimator::h1 || reading.spectrum.periodic) {
+    read_once(records, reading, progress, m);
+    return;
+  }
+  ClockSearch search(records, reading.used, choice, reading.settling);
+  read_once(records, reading, progress, m, &search);
+  if (m.interrupted) return;
+  reading.clocks = search.result();
+  if (!reading.clocks) return;
+  read_once(records, reading, {}, m);
+  const auto name = [&](int c) {
+    return records.header().channels[reading.used[static_cast<std::size_t>(c)]].name;
+  };
+  m.responses.warnings.push_back({.kind = data::ResponseWarning::Kind::two_clocks,
+                                  .channel = name(reading.clocks->outputs.front()),
+                                  .other = name(choice.inputs.front()),
+                                  .value = reading.clocks->ratio,
+                                  .share = std::abs(reading.clocks->turn),
+                                  .count = std::ssize(reading.clocks->outputs),
+                                  .total = std::ssize(choice.outputs)});
 }
 
 /// Once more, without samples that stand still where they cannot.
@@ -198,7 +215,7 @@ void read_without_held(data::RecordSet& records, const Reading& reading, Measure
 
 void read_spectra(data::RecordSet& records, Reading& reading, const numerics::Progress& progress,
                   Measurement& m) {
-  read_once(records, reading, progress, m);
+  read_at_one_clock(records, reading, progress, m);
   read_without_held(records, reading, m);
   if (!misses_samples(m.spectra) || reading.spectrum.periodic || m.interrupted) return;
   const auto as_read = m.spectra;

@@ -42,9 +42,6 @@ struct Streamed {
 Reading plan_reading(data::RecordSet& records, Plan& plan, const MeasureOptions& options,
                      Beginning& beginning);
 
-/// Looks for a second clock in records with inputs and outputs.
-void find_clocks(data::RecordSet& records, Reading& reading, Measurement& m);
-
 /// begin(file) where a record begins, add(samples) for all its samples, all channels, filled and
 /// without tones where the reading says so.
 Streamed stream_read(data::RecordSet& records, const Reading& reading,
@@ -52,7 +49,8 @@ Streamed stream_read(data::RecordSet& records, const Reading& reading,
                      const std::function<void(std::size_t)>& begin,
                      const std::function<void(const Eigen::Ref<const data::Samples>&)>& add);
 
-/// Reads all files into m.spectra. Where samples are missing they are filled, and it is said.
+/// Reads all files into m.spectra. Where samples are missing they are filled, and where outputs have
+/// another clock than inputs they are brought to theirs; it is said.
 void read_spectra(data::RecordSet& records, Reading& reading, const numerics::Progress& progress,
                   Measurement& m);
 

@@ -45,9 +45,12 @@ std::optional<double> audible_end(const Signals& signals, double chance) {
     const double tests = static_cast<double>(std::max<Index>(1, (lines - w) / step) * Y.cols());
     const double least = numerics::fisher_quantile(
         1.0 - chance / tests, 2.0 * static_cast<double>(p), 2.0 * static_cast<double>(w - p - 1));
+    bool before = true;  // the lowest lines lie in one window only
     for (Index k = 1; k + w <= lines; k += step) {
-      if (!is_heard(U.middleRows(k, w), Y.middleRows(k, w), least)) continue;
-      end = std::max(end.value_or(0.0), static_cast<double>(k + w - 1) * spacing);
+      const bool heard = is_heard(U.middleRows(k, w), Y.middleRows(k, w), least);
+      if (heard && before)
+        end = std::max(end.value_or(0.0), static_cast<double>(k + w - 1) * spacing);
+      before = heard;
     }
   }
   return end;

@@ -12,7 +12,8 @@
 
 namespace hydrapod::identification {
 
-/// The end of the last window in which an output is heard [Hz]. `chance`: see
+/// The end of the last window in which, as in the one before that overlaps it by half, an output is
+/// heard [Hz]. `chance`: see
 /// RecordOptions::audible_chance. None: nothing is heard anywhere.
 std::optional<double> audible_end(const Signals& signals, double chance);
 

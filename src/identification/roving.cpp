@@ -26,6 +26,20 @@ bool may_be_hit(const CrossSpectra& spectra, int input) {
          health.highest - health.lowest > conspicuous * rms_in(spectra, input);
 }
 
+/// Does a single record show by its extremes that no input is alone in being hit? An input of the
+/// extent e (highest less lowest) reaches between e/2 and e from its mean.
+bool are_alike(const CrossSpectra& spectra, const std::vector<int>& inputs) {
+  double most = 0.0, second = 0.0;
+  for (const int i : inputs) {
+    const auto& health = spectra.health[static_cast<std::size_t>(i)];
+    const double extent = health.highest - health.lowest;
+    second = std::max(second, std::min(most, extent));
+    most = std::max(most, extent);
+  }
+  static_assert(HitOptions{}.least <= 0.5);
+  return 0.5 * second >= HitOptions{}.least * most;
+}
+
 /// The one input that is hit; none: several are, or it is no such record.
 std::optional<std::size_t> only_hit(const data::Samples& inputs) {
   if (inputs.rows() == 0 || !inputs.allFinite()) return {};
@@ -45,7 +59,8 @@ std::optional<std::size_t> only_hit(const data::Samples& inputs) {
 void refuse_roving(data::RecordSet& records, const CrossSpectra& spectra,
                    const std::vector<std::size_t>& used, const ChannelChoice& choice) {
   if (choice.inputs.size() < 2 || !choice.instruments.empty() ||
-      std::ranges::none_of(choice.inputs, [&](int i) { return may_be_hit(spectra, i); }))
+      std::ranges::none_of(choice.inputs, [&](int i) { return may_be_hit(spectra, i); }) ||
+      (records.files().size() == 1 && are_alike(spectra, choice.inputs)))
     return;
   std::vector<std::size_t> columns;
   for (const int i : choice.inputs) columns.push_back(used[static_cast<std::size_t>(i)]);

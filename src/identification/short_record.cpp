@@ -134,21 +134,44 @@ Feedback feedback_in(const Signals& signals) {
   return f;
 }
 
-void refuse_feedback(const ShortRecord& record, const RecordOptions& options) {
-  if (!record.may_be_in_loop) return;
+/// None: the inputs do not follow the outputs.
+std::optional<Feedback> feedback_of(const Signals& signals, const FewBlocks& rules) {
   // not of the lower rate, whose filter lets the outputs know of inputs that are to come
-  const auto f = feedback_in(record.signals);
-  if (f.share <= options.feedback ||
-      f.ratio <= numerics::chi_squared_quantile(1.0 - options.feedback_chance,
-                                                static_cast<int>(f.degrees)))
-    return;
+  const auto f = feedback_in(signals);
+  const bool follows = f.share > rules.feedback &&
+                       f.ratio > numerics::chi_squared_quantile(1.0 - rules.feedback_chance,
+                                                                static_cast<int>(f.degrees));
+  return follows ? std::optional(f) : std::nullopt;
+}
+
+/// Are averages the better choice unasked: lines are many, and blocks enough for any?
+bool takes_long(const Signals& signals, const BlockCount& blocks, std::size_t inputs,
+                const MeasureOptions& options) {
+  if (options.whole_record || blocks.fit < fewest_blocks(inputs) - 1.0) return false;
+  const RecordOptions rules;
+  const double nyquist = 0.5 * signals.sample_rate;
+  const double heard = audible_end(signals, rules.audible_chance).value_or(nyquist);
+  const double duration = static_cast<double>(signals.samples()) / signals.sample_rate;
+  return duration * std::min(nyquist, heard) > options.few_blocks.few_lines;
+}
+
+/// Is the record one of a loop? Asked of excitations too: what is called so by its name and unit
+/// may be measured in a loop. Who asks for the whole record knows what they commanded, and gets an
+/// error for other inputs.
+bool is_in_loop(const Signals& signals, const std::vector<data::Channel>& inputs,
+                const MeasureOptions& options) {
+  if (!options.whole_record) return feedback_of(signals, options.few_blocks).has_value();
+  const bool commanded =
+      std::ranges::all_of(inputs, [](const auto& c) { return c.role == data::Role::excitation; });
+  const auto f = commanded ? std::nullopt : feedback_of(signals, options.few_blocks);
+  if (!f) return false;
   throw base::ComputationError(fmt::format(
       "the record is short, and its inputs follow its outputs (what they did before explains "
       "{:.0f} "
       "% of what the inputs' own past does not): in a loop, modes are not "
       "estimated from the whole record at once; leave --whole-record out, name the excitations "
       "with --instruments, and record longer",
-      100.0 * f.share));
+      100.0 * f->share));
 }
 
 void refuse_few_numbers(const RecordLines& lines, const Band& band,
@@ -184,7 +207,8 @@ std::optional<BlockCount> too_few_blocks(const data::RecordSet& records, const R
   const auto& plan = reading.plan;
   const bool asked = options.block_length || options.overlap || options.estimator ||
                      options.period || options.window != Window::hann;
-  if (!options.for_modes || !options.whole_record || asked || reading.spectrum.periodic ||
+  const bool wanted = options.whole_record.value_or(true);
+  if (!options.for_modes || !wanted || asked || reading.spectrum.periodic ||
       (plan.estimator != Estimator::h1 && plan.estimator != Estimator::instrumental))
     return {};
   const auto left = static_cast<double>(
@@ -192,6 +216,7 @@ std::optional<BlockCount> too_few_blocks(const data::RecordSet& records, const R
   const BlockCount blocks{left / static_cast<double>(reading.spectrum.block_length),
                           options.few_blocks.fewest * fewest_blocks(plan.choice.inputs.size())};
   if (blocks.fit >= blocks.needed) return {};
+  if (plan.estimator == Estimator::instrumental && !options.whole_record) return {};
   if (plan.estimator == Estimator::instrumental)
     throw base::ComputationError(
         "modes in a loop are not estimated from the whole record at once: intervals would be too "
@@ -200,23 +225,25 @@ std::optional<BlockCount> too_few_blocks(const data::RecordSet& records, const R
 }
 
 bool keep_short_record(data::RecordSet& records, const Reading& reading, const BlockCount& blocks,
-                       const std::vector<PlatformChange>& changes, ChannelChoice& choice,
-                       Measurement& m) {
+                       const MeasureOptions& options, const std::vector<PlatformChange>& changes,
+                       ChannelChoice& choice, Measurement& m) {
   auto samples = used_samples(records, reading);
   for (const auto& matrix : samples)
     if (!matrix.allFinite()) return false;
-  auto earlier = std::move(m.responses.warnings);
-  auto r = without_lines(m.spectra, reading.plan.estimator, choice, {.of_averages = false});
+  ChannelChoice alive = choice;  // without dead channels
+  auto r = without_lines(m.spectra, reading.plan.estimator, alive, {.of_averages = false});
   auto record = std::make_shared<ShortRecord>();
   record->signals.sample_rate = m.header.sample_rate;
   for (auto& matrix : samples) {
     const MatrixXd brought = brought_to_platform(changes, std::move(matrix));
-    record->signals.pieces.push_back(piece_of(brought, choice));
+    record->signals.pieces.push_back(piece_of(brought, alive));
   }
   record->signals = detrended(std::move(record->signals));
-  record->may_be_in_loop =
-      std::ranges::any_of(r.inputs, [](const auto& c) { return c.role != data::Role::excitation; });
+  if (takes_long(record->signals, blocks, alive.inputs.size(), options) ||
+      is_in_loop(record->signals, r.inputs, options))
+    return false;
   r.averages = 0.0;
+  auto earlier = std::move(m.responses.warnings);
   r.warnings.insert(r.warnings.begin(), earlier.begin(), earlier.end());
   r.harmonics = std::move(m.responses.harmonics);
   const double duration = static_cast<double>(record->signals.samples()) / m.header.sample_rate;
@@ -226,6 +253,7 @@ bool keep_short_record(data::RecordSet& records, const Reading& reading, const B
        .share = static_cast<double>(reading.spectrum.block_length) / m.header.sample_rate,
        .count = static_cast<std::int64_t>(blocks.fit),
        .total = static_cast<std::int64_t>(std::ceil(blocks.needed))});
+  choice = std::move(alive);
   m.responses = std::move(r);
   m.record = std::move(record);
   return true;
@@ -260,7 +288,6 @@ Identification identify_modes(const Measurement& measurement, const IdentifyOpti
   Identification result;
   const TimeModel m = model_in_best_band(record.signals, options);
   if (progress) progress(0.3);
-  refuse_feedback(record, rules);
   const auto lines = lines_in_band(record.signals, m.band.from, m.band.to, m.model);
   refuse_few_numbers(lines, m.band, options);
   result.chart = m.chart;

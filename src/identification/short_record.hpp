@@ -25,7 +25,6 @@ namespace hydrapod::identification {
 
 struct ShortRecord {
   Signals signals{};
-  bool may_be_in_loop{};  ///< an input is no excitation by its role
 };
 
 /// [blocks], side by side, of the length that would be chosen, and how many it takes.
@@ -39,9 +38,10 @@ std::optional<BlockCount> too_few_blocks(const data::RecordSet& records, const R
 
 /// The record is kept, and m.responses become those of a model of it. `choice`: of m.spectra;
 /// `changes`: of its channels. False, and nothing is done, where samples are missing that cannot be
-/// filled.
+/// filled, and where inputs follow outputs; where the whole record was asked for, that is a
+/// base::ComputationError, and not looked for in excitations.
 bool keep_short_record(data::RecordSet& records, const Reading& reading, const BlockCount& blocks,
-                       const std::vector<PlatformChange>& changes, ChannelChoice& choice,
-                       Measurement& m);
+                       const MeasureOptions& options, const std::vector<PlatformChange>& changes,
+                       ChannelChoice& choice, Measurement& m);
 
 }  // namespace hydrapod::identification

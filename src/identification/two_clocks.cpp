@@ -69,7 +69,7 @@ class PartsOfRecords {
     record_ = record;
     filled_ = in_part_ = 0;
   }
-  void add(const data::Samples& samples) {
+  void add(const Eigen::Ref<const data::Samples>& samples) {
     if (buffer_.size() == 0) buffer_.resize(plan_.block, samples.cols());
     for (Index at = 0; at < samples.rows();) {
       const Index count = std::min(buffer_.rows() - filled_, samples.rows() - at);
@@ -93,41 +93,40 @@ class PartsOfRecords {
       S_uu_.setZero(p, lines);
     }
     if (buffer_.allFinite()) {
-      const MatrixXcd X = transformed_lines();
-      for (Index i = 0; i < p; ++i) {
-        const auto U = X.row(choice_.inputs[static_cast<std::size_t>(i)]).array();
-        S_uu_.row(i) += U.abs2().matrix();
-        for (Index o = 0; o < q; ++o)
-          S_yu_.row(o * p + i) +=
-              (X.row(choice_.outputs[static_cast<std::size_t>(o)]).array() * U.conjugate())
-                  .matrix();
+      transform();
+      VectorXcd x(buffer_.cols());
+      for (Index k = 0; k < lines; ++k) {
+        line(plan_.lines[static_cast<std::size_t>(k)], x);
+        const VectorXcd u = x(choice_.inputs), y = x(choice_.outputs);
+        S_uu_.col(k) += u.cwiseAbs2();
+        Eigen::Map<MatrixXcd>(S_yu_.col(k).data(), p, q).noalias() += u.conjugate() * y.transpose();
       }
     }
     if (++in_part_ < plan_.together) return;
     in_part_ = 0;
-    for (Index e = 0; e < q * p; ++e)
-      S_yu_.row(e).array() /= S_uu_.row(e % p).array().max(1e-300).sqrt();
+    const MatrixXd root = S_uu_.cwiseMax(1e-300).cwiseSqrt();
+    for (Index o = 0; o < q; ++o) S_yu_.middleRows(o * p, p).array() /= root.array();
     parts_[record_].C.push_back(S_yu_);
   }
 
-  /// Channels × lines.
-  MatrixXcd transformed_lines() {
-    MatrixXcd X(buffer_.cols(), static_cast<Index>(plan_.lines.size()));
-    std::vector<Complex> all(static_cast<std::size_t>(fft_.lines()));
-    for (Index c = 0; c < buffer_.cols(); ++c) {
-      VectorXd x = (buffer_.col(c).array() - buffer_.col(c).mean()) * window_.array();
-      fft_.forward({x.data(), static_cast<std::size_t>(x.size())}, all);
-      for (std::size_t k = 0; k < plan_.lines.size(); ++k)
-        X(c, static_cast<Index>(k)) = all[static_cast<std::size_t>(plan_.lines[k])];
+  void transform() {
+    spectrum_.resize(static_cast<std::size_t>(fft_.line_groups() * buffer_.cols()));
+    fft_.forward(buffer_, buffer_.colwise().mean(), window_, spectrum_.data(), buffer_.cols());
+  }
+  void line(Index k, VectorXcd& channels) const {
+    const auto lane = static_cast<std::size_t>(k % 8);
+    for (Index c = 0; c < channels.size(); ++c) {
+      const auto& eight = spectrum_[static_cast<std::size_t>(k / 8 * channels.size() + c)];
+      channels[c] = {eight.re[lane], eight.im[lane]};
     }
-    return X;
   }
 
-  const PartPlan& plan_;
-  const ChannelChoice& choice_;
+  PartPlan plan_;
+  ChannelChoice choice_;
   numerics::RealFft fft_;
   VectorXd window_;
-  MatrixXd buffer_{};
+  data::Samples buffer_{};
+  std::vector<numerics::EightLines> spectrum_{};
   Index filled_{}, in_part_{};
   std::size_t record_{};
   MatrixXcd S_yu_{};
@@ -151,6 +150,24 @@ class ClockLikelihood {
   }
   [[nodiscard]] double parts() const { return count_; }
   [[nodiscard]] double highest() const { return omega_.back(); }
+
+  /// Σ L(k step) for |k| ≤ `steps`: the sums over parts by transforms with `finer` times as many
+  /// points as there are parts, and linear between these.
+  [[nodiscard]] VectorXd at_steps(double step, Index steps) const {
+    VectorXd total = VectorXd::Zero(2 * steps + 1);
+    Eigen::ArrayXXd rho(total.size(), power_.rows());
+    for (std::size_t k = 0; k < omega_.size(); ++k) {
+      const auto column = static_cast<Index>(k);
+      rho.setZero();
+      for (Index e = 0; e < rho.cols(); ++e) {
+        for (const auto& record : records_)
+          add_at_steps(record, e, column, omega_[k] * step * spacing_, rho.col(e));
+        rho.col(e) /= std::max(power_(e, column), 1e-300);
+      }
+      total -= count_ * (1.0 - rho.min(1.0 - 1e-9)).rowwise().prod().log().matrix();
+    }
+    return total;
+  }
   [[nodiscard]] Eigen::ArrayXXd operator()(double ratio) const {
     Eigen::ArrayXXd rho = Eigen::ArrayXXd::Zero(power_.rows(), power_.cols());
     for (const auto& record : records_) {  // delays between recorders begin anew
@@ -171,6 +188,28 @@ class ClockLikelihood {
   }
 
  private:
+  /// |Σ_g C_g e^(iθg)|²/G of an entry at θ = k · `turn`.
+  static void add_at_steps(const Parts& record, Index entry, Index line, double turn,
+                           Eigen::Ref<Eigen::ArrayXd> rho) {
+    constexpr std::size_t finer = 8;
+    if (record.C.empty()) return;
+    std::vector<Complex> padded(finer * std::bit_ceil(record.C.size()));
+    for (std::size_t g = 0; g < record.C.size(); ++g) padded[g] = record.C[g](entry, line);
+    const auto sums = numerics::inverse_complex_fft(padded);
+    const auto count = static_cast<Index>(sums.size());
+    const auto power = [&](Index t) {
+      return std::norm(sums[static_cast<std::size_t>((t % count + count) % count)]);
+    };
+    const double per_step = turn / two_pi * static_cast<double>(count);
+    const auto steps = rho.size() / 2;
+    for (Index k = -steps; k <= steps; ++k) {
+      const double at = per_step * static_cast<double>(k), whole = std::floor(at);
+      const auto t = static_cast<Index>(whole);
+      rho[k + steps] += ((1.0 + whole - at) * power(t) + (at - whole) * power(t + 1)) /
+                        static_cast<double>(record.C.size());
+    }
+  }
+
   const std::vector<Parts>& records_;
   double spacing_;
   std::vector<double> omega_{};
@@ -198,11 +237,13 @@ std::vector<Parts> some_entries(const std::vector<Parts>& all, Index most) {
   return some;
 }
 
-/// The most likely ε: first by steps, then between them.
+/// The most likely ε: first by steps, there exactly, then between them.
 double best_ratio(const ClockLikelihood& likelihood, const PartPlan& plan,
                   const TwoClocksOptions& options) {
   const double step = 0.5 / (likelihood.highest() * plan.duration);
   const auto steps = static_cast<Index>(std::ceil(options.most / step));
+  Index most = 0;
+  likelihood.at_steps(step, steps).maxCoeff(&most);
   double best = 0.0, largest = likelihood(0.0).sum();
   const auto ask = [&](double ratio) {
     if (const double own = likelihood(ratio).sum(); own > largest) {
@@ -210,7 +251,9 @@ double best_ratio(const ClockLikelihood& likelihood, const PartPlan& plan,
       best = ratio;
     }
   };
-  for (Index k = -steps; k <= steps; ++k) ask(step * static_cast<double>(k));
+  constexpr Index beside = 3;  // steps: what lines between the points of a transform may be off
+  for (Index k = std::max<Index>(0, most - beside); k <= std::min(2 * steps, most + beside); ++k)
+    ask(step * static_cast<double>(k - steps));
   double width = 0.5 * step;
   constexpr int halvings = 8;
   for (int n = 0; n < halvings; ++n, width *= 0.5) {
@@ -223,33 +266,61 @@ double best_ratio(const ClockLikelihood& likelihood, const PartPlan& plan,
 
 }  // namespace
 
-std::optional<ClockDifference> find_two_clocks(data::RecordSet& records,
-                                               const std::vector<std::size_t>& used,
-                                               const ChannelChoice& choice, std::int64_t settling,
-                                               const TwoClocksOptions& options) {
+struct ClockSearch::Implementation {
+  PartPlan plan{};
+  ChannelChoice choice{};
+  std::vector<Index> used{};
+  std::int64_t settling{}, to_skip{};
+  double rate{};
+  TwoClocksOptions options{};
+  PartsOfRecords parts;
+};
+
+ClockSearch::ClockSearch(data::RecordSet& records, const std::vector<std::size_t>& used,
+                         const ChannelChoice& choice, std::int64_t settling,
+                         const TwoClocksOptions& options) {
   const auto plan = plan_parts(records, settling, options);
-  if (!plan) return {};
-  PartsOfRecords all(*plan, choice, records.files().size());
-  std::optional<std::size_t> begun;
-  stream_used(records, {.channels = used, .settling = settling},
-              [&](std::size_t record, std::int64_t, const data::Samples& samples) {
-                if (begun != record) all.begin_record(record);
-                begun = record;
-                all.add(samples);
-              });
-  const ClockLikelihood likelihood(all.parts(), *plan, records.header().sample_rate);
+  if (!plan) return;
+  implementation_ = std::make_unique<Implementation>(
+      Implementation{.plan = *plan,
+                     .choice = choice,
+                     .used = {used.begin(), used.end()},
+                     .settling = settling,
+                     .rate = records.header().sample_rate,
+                     .options = options,
+                     .parts = PartsOfRecords(*plan, choice, records.files().size())});
+}
+ClockSearch::~ClockSearch() = default;
+
+void ClockSearch::begin_record(std::size_t record) {
+  if (!implementation_) return;
+  implementation_->to_skip = implementation_->settling;
+  implementation_->parts.begin_record(record);
+}
+
+void ClockSearch::add(const Eigen::Ref<const data::Samples>& samples) {
+  if (!implementation_) return;
+  auto& me = *implementation_;
+  const Index skipped = std::min(me.to_skip, samples.rows());
+  me.to_skip -= skipped;
+  me.parts.add(samples(Eigen::seq(skipped, Eigen::last), me.used));
+}
+
+std::optional<ClockDifference> ClockSearch::result() const {
+  if (!implementation_) return {};
+  const auto& [plan, choice, used, settling, to_skip, rate, options, parts] = *implementation_;
+  const ClockLikelihood likelihood(parts.parts(), plan, rate);
   if (likelihood.parts() < static_cast<double>(options.fewest_blocks) / 2.0) return {};
   constexpr Index enough = 8;  // entries
-  const auto some = some_entries(all.parts(), enough);
-  const double ratio =
-      best_ratio(ClockLikelihood(some, *plan, records.header().sample_rate), *plan, options);
+  const auto some = some_entries(parts.parts(), enough);
+  const double ratio = best_ratio(ClockLikelihood(some, plan, rate), plan, options);
   if (ratio == 0.0) return {};
   const Eigen::ArrayXXd gain = likelihood(ratio) - likelihood(0.0);
   const Eigen::RowVectorXd by_line = gain.colwise().mean().matrix();
   // at the end of what is tried it is none of a clock
   if (std::abs(ratio) > 0.99 * options.most || !(gain_of_others(by_line) > options.evidence))
     return {};
-  ClockDifference found{.ratio = ratio, .turn = ratio * plan->duration};
+  ClockDifference found{.ratio = ratio, .turn = ratio * plan.duration};
   const auto p = static_cast<Index>(choice.inputs.size());
   for (std::size_t o = 0; o < choice.outputs.size(); ++o)
     if (gain.middleRows(static_cast<Index>(o) * p, p).sum() > -options.own_clock)

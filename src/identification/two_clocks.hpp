@@ -16,6 +16,7 @@
 /// inputs (data::Resampler), before spectra are formed.
 
 #include <functional>
+#include <memory>
 #include <optional>
 
 #include "hydrapod/data/processing.hpp"
@@ -45,11 +46,23 @@ struct ClockDifference {
   double turn{};               ///< ε T, T being the length of the longest record [s]
 };
 
-/// `used`: channels of the records, which `choice` numbers.
-std::optional<ClockDifference> find_two_clocks(data::RecordSet& records,
-                                               const std::vector<std::size_t>& used,
-                                               const ChannelChoice& choice, std::int64_t settling,
-                                               const TwoClocksOptions& options = {});
+/// Samples stream through it, and it says whether outputs have another clock.
+class ClockSearch {
+ public:
+  /// `used`: channels of the records, which `choice` numbers.
+  ClockSearch(data::RecordSet& records, const std::vector<std::size_t>& used,
+              const ChannelChoice& choice, std::int64_t settling,
+              const TwoClocksOptions& options = {});
+  ~ClockSearch();
+  void begin_record(std::size_t record);
+  /// All channels.
+  void add(const Eigen::Ref<const data::Samples>& samples);
+  [[nodiscard]] std::optional<ClockDifference> result() const;
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_{};  // none: records are too short
+};
 
 /// Samples stream through it and come out with some columns at the clock of the others.
 class ClockCorrector {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <limits>
 #include <numbers>
@@ -126,7 +127,7 @@ void check_legs(const model::Machine& machine, const Pose& X_BP, Findings& findi
   const bool too_short = add(failing([&](int i) { return missing_length(at, i); }), short_leg,
                              "; move the platform away from the base or shorten the rod");
   if (too_short || add(failing([&](int i) { return beyond_stroke(at, i); }), stroke_text)) return;
-  add(failing([&](int i) { return off_rod(at, i); }), sleeve_text);
+  add(failing([&](int i) { return machine.legs[i].strut ? 0.0 : off_rod(at, i); }), sleeve_text);
   const auto tilt = [&](const char* joint, auto limit, auto angle) {
     add(failing([&](int i) {
           const auto most = machine.legs[i].joint_limits.*limit;
@@ -173,13 +174,40 @@ bool any_error(const std::vector<Finding>& findings) {
                              [](const Finding& f) { return f.severity == base::Severity::error; });
 }
 
+/// "; did you mean 3 deg?" where the legs reach the pose with the numbers of its angles as degrees.
+std::string guess_of_angles(const model::Machine& machine, const Pose& X_BP) {
+  constexpr double little = 0.35;  // [rad]: nobody writes a fifth of a degree as 0.35
+  auto rpy = spatial::rpy_from_rotation(X_BP.R_BP);
+  const auto other_way = [](double angle) {
+    return angle - std::copysign(std::numbers::pi, angle);
+  };
+  const spatial::Vector3 other{other_way(rpy[0]), -other_way(rpy[1]), other_way(rpy[2])};
+  if (other.norm() < rpy.norm()) rpy = other;  // the same rotation, as it was written
+  std::vector<std::string> meant;
+  auto in_degrees = rpy;
+  for (int k = 0; k < 3; ++k) {
+    if (!(std::abs(rpy[k]) > little)) continue;
+    // degrees are written with few digits, π/2 with many
+    if (std::abs(100.0 * rpy[k] - std::round(100.0 * rpy[k])) > 1e-7) return {};
+    meant.push_back(fmt::format("{:.6g} deg", rpy[k]));
+    in_degrees[k] /= degrees;
+  }
+  if (meant.empty() ||
+      !check_pose(machine, {spatial::rotation_from_rpy(in_degrees), X_BP.p_BP}, "").empty())
+    return {};
+  return fmt::format("; did you mean {}?", fmt::join(meant, ", "));
+}
+
 /// What validate() finds, or else what is wrong at the poses.
 std::vector<Finding> validate_with_poses(const model::Machine& machine) {
   auto findings = model::validate(machine);
   if (any_error(findings)) return findings;
-  for (const auto& pose : machine.poses)
-    std::ranges::move(check_pose(machine, pose.X_BP, "poses." + pose.name),
-                      std::back_inserter(findings));
+  for (const auto& pose : machine.poses) {
+    auto found = check_pose(machine, pose.X_BP, "poses." + pose.name);
+    if (!found.empty())
+      for (auto& finding : found) finding.message += guess_of_angles(machine, pose.X_BP);
+    std::ranges::move(found, std::back_inserter(findings));
+  }
   return findings;
 }
 
@@ -190,8 +218,17 @@ std::vector<Finding> check_machine(const model::Machine& machine) {
   auto unusual = model::unusual_numbers(machine);
   if (unusual.findings.empty()) return findings;
   if (any_error(findings)) {  // the likely cause, and what would remain without it
-    for (auto& finding : unusual.findings) finding.severity = base::Severity::error;
-    findings = validate_with_poses(unusual.guessed);
+    auto left = validate_with_poses(unusual.guessed);
+    const auto is_refused = [&](const Finding& finding) {
+      return std::ranges::any_of(left, [&](const Finding& other) {
+        return other.severity == base::Severity::error && other.key == finding.key;
+      });
+    };
+    // a number that is refused in any case: why, says more than what it may have been meant to be
+    if (std::erase_if(unusual.findings, is_refused) == 0) {
+      for (auto& finding : unusual.findings) finding.severity = base::Severity::error;
+      findings = std::move(left);
+    }
   }
   std::ranges::move(findings, std::back_inserter(unusual.findings));
   return unusual.findings;

@@ -209,7 +209,10 @@ std::vector<EnergyShares> energy_shares(const LinearModel& model,
       rows.row(k) = shapes.col(first + std::min(k, now - 1)).transpose();
     Energies e = energies(model, y);
     normalise(model, e);
-    for (int k = 0; k < now; ++k) take_lane(e, k, list[first + k]);
+    for (int k = 0; k < now; ++k) {
+      take_lane(e, k, list[first + k]);
+      list[first + k].leg_type = model.leg_type;
+    }
   }
   return list;
 }
@@ -228,7 +231,7 @@ EnergyShares energy_shares(const LinearModel& model, const ModelVector& real,
   for (Numbers* part : {&e.base_mount, &e.payload, &e.payload_elastic}) (*part)[0] += (*part)[1];
   e.elastic_and_geometric[0] += e.elastic_and_geometric[1];
   normalise(model, e);
-  EnergyShares shares;
+  EnergyShares shares{.leg_type = model.leg_type};
   take_lane(e, 0, shares);
   return shares;
 }

@@ -46,7 +46,10 @@ std::string compliance_text(const EnergyShares& energy) {
     return "payload";
   if (energy.base_mount > std::max({oil, guide, ring, bending})) return "base mount";
   if (bending > std::max({oil, guide, ring})) return "bending of " + legs_involved(energy.bending);
-  if (oil >= guide && oil >= ring) return "oil springs of " + legs_involved(energy.oil);
+  if (oil >= guide && oil >= ring)
+    return fmt::format("{}{} of {}", model::axial_part(energy.leg_type),
+                       energy.leg_type == model::LegType::cylinder ? " springs" : "",
+                       legs_involved(energy.oil));
   if (guide >= ring) return "guide sleeves of " + legs_involved(energy.guide_sleeve);
   return "piston rings of " + legs_involved(energy.piston_ring);
 }

@@ -87,7 +87,10 @@ void Swinging::add_leg(const model::Machine& machine, int i) {
   const auto& leg = linear_.legs[k];
   const auto& sleeve = machine_.legs[k].guide_sleeve;
   const auto& ring = machine_.legs[k].piston_ring;
-  joints_[k] = linear_.J[k] * linear_.against_base * modes_.shapes;
+  if (linear_.base_count() > 0)
+    joints_[k] = linear_.J[k] * linear_.against_base * modes_.shapes;
+  else  // J of a condensed base has its motion in it
+    joints_[k] = linear_.J[k] * modes_.shapes.topRows<6>();
   pistons_[k] = modes_.shapes.transpose() * dynamics::per_coordinate(linear_, i, leg.s_x);
   chords_[k] = rows_of(linear_, i, leg.d_x + leg.bending * leg.F_x) * modes_.shapes;
   if (linear_.kind != ModelKind::rigid) {
@@ -112,7 +115,8 @@ void Swinging::add_friction(const model::Machine& machine, int i) {
   };
   Rows2 piston = Rows2::Zero(2, linear_.dof());
   piston.row(0) = pistons_[k];
-  add(piston, hydraulics::servo_axis(machine, i).friction);
+  if (model::leg_type(machine) == model::LegType::cylinder)
+    add(piston, hydraulics::servo_axis(machine, i).friction);
   const auto law = joint_law(machine.legs[k].hydraulics.joint_friction);
   const double l_mn = machine.legs[k].rod.length;
   add(rows_of(linear_, i, turning(linear_.legs[k], l_mn, false)) * modes_.shapes, law);

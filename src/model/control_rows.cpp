@@ -76,9 +76,10 @@ constexpr ParameterRow control_rows[]{
         "largest flow of a pressure-controlled pump; without it the supply pressure is "
         "constant",
         shown("100 l/min")),
-    number<&Machine::hydraulics, supply, &Supply::line_volume>(
-        "supply.line_volume", "m^3", standard, positive,
-        "oil between pump and valves; used with `pump_flow`", shown("1 l")),
+    used_with("supply.pump_flow",
+              number<&Machine::hydraulics, supply, &Supply::line_volume>(
+                  "supply.line_volume", "m^3", standard, positive,
+                  "oil between pump and valves; used with `pump_flow`", shown("1 l"))),
     number<&Machine::hydraulics, &Hydraulics::cavitation_pressure>(
         "supply.cavitation_pressure", "Pa", standard, positive,
         "about which a chamber fills with vapour, less than the return pressure", shown("0.5 bar")),
@@ -102,9 +103,10 @@ constexpr ParameterRow control_rows[]{
          .expected = "0 (dead ends) or a whole number of segments up to 8"},
         "0: the oil of a line has the inertia of a dead end and no waves; 1 to 8: each line is a "
         "chain of as many segments, with waves and with the valve open or shut"),
-    number<&Machine::hydraulics, lines, &Lines::viscosity>(
-        "lines.viscosity", "Pa s", standard, usual(1e-4, 10.0, not_negative),
-        "μ of the oil, for the laminar loss in lines with segments", shown("40 mPa s")),
+    used_with("lines.segments",
+              number<&Machine::hydraulics, lines, &Lines::viscosity>(
+                  "lines.viscosity", "Pa s", standard, usual(1e-4, 10.0, not_negative),
+                  "μ of the oil, for the laminar loss in lines with segments", shown("40 mPa s"))),
     simulation("controller", "from pose errors to valve drives"),
     word<controller, &ControlSettings::space>(
         "controller.space", space_words,

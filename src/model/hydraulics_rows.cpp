@@ -63,11 +63,14 @@ constexpr ParameterRow leg_hydraulics_rows[]{
     number<hydraulics, friction, &SealFriction::viscous>("legs.friction.viscous", "N s/m",
                                                          otherwise("10 F_c per m/s"), not_negative,
                                                          "b", shown("7 kN s/m")),
-    number<hydraulics, friction, &SealFriction::stribeck_velocity>(
-        "legs.friction.stribeck_velocity", "m/s", standard, positive, "v_s", shown("20 mm/s")),
-    number<hydraulics, friction, &SealFriction::smoothing_velocity>(
-        "legs.friction.smoothing_velocity", "m/s", standard, positive,
-        "v_0 of tanh(v/v_0); not used with bristles", shown("2 mm/s")),
+    used_with(
+        "legs.friction.coulomb",
+        number<hydraulics, friction, &SealFriction::stribeck_velocity>(
+            "legs.friction.stribeck_velocity", "m/s", standard, positive, "v_s", shown("20 mm/s"))),
+    used_with("legs.friction.coulomb",
+              number<hydraulics, friction, &SealFriction::smoothing_velocity>(
+                  "legs.friction.smoothing_velocity", "m/s", standard, positive,
+                  "v_0 of tanh(v/v_0); not used with bristles", shown("2 mm/s"))),
     simulation("legs.friction.bristles", "friction after LuGre instead of tanh"),
     number<hydraulics, friction, &SealFriction::bristles, &LuGreBristles::stiffness>(
         "legs.friction.bristles.stiffness", "N/m", required, spring_rate, "σ_0", shown("50 kN/mm")),
@@ -78,9 +81,10 @@ constexpr ParameterRow leg_hydraulics_rows[]{
         "legs.joint_friction.viscous", "N m s/rad", standard, not_negative, "0 or more"),
     number<hydraulics, joint_friction, &JointFriction::coulomb>(
         "legs.joint_friction.coulomb", "N m", standard, not_negative, "0 or more"),
-    number<hydraulics, joint_friction, &JointFriction::smoothing_rate>(
-        "legs.joint_friction.smoothing_rate", "rad/s", standard, positive,
-        "of the same law as at the seals"),
+    used_with("legs.joint_friction.coulomb",
+              number<hydraulics, joint_friction, &JointFriction::smoothing_rate>(
+                  "legs.joint_friction.smoothing_rate", "rad/s", standard, positive,
+                  "of the same law as at the seals")),
     number<hydraulics, joint_friction, &JointFriction::bristle_stiffness>(
         "legs.joint_friction.bristle_stiffness", "N m/rad", otherwise("the smooth law"), positive,
         "σ_0; `modes --amplitude` then uses the law of LuGre, simulations do not",

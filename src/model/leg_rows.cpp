@@ -34,6 +34,20 @@ void drop_stiffness(Machine& machine, int leg) {
   machine.legs[static_cast<std::size_t>(leg)].oil_spring.stiffness.reset();
 }
 
+/// `seal`: the way to its elastomer.
+template <auto... seal>
+void drop_arms(Machine& machine, int leg) {
+  if (auto* elastomer = member<false, seal...>(machine, leg)) elastomer->arms.reset();
+}
+template <auto... seal>
+void drop_ratio(Machine& machine, int leg) {
+  auto* elastomer = member<false, seal...>(machine, leg);
+  if (elastomer == nullptr) return;
+  elastomer->dynamic_ratio.reset();
+  elastomer->loss_factor.reset();
+  elastomer->frequency.reset();
+}
+
 constexpr Bound above_one{.lowest = 1.0, .more_than_lowest = true, .expected = "more than 1"};
 
 /// The keys of a seal's elastomer; `seal`: the way to it.
@@ -44,34 +58,63 @@ constexpr ParameterRow of_elastomer(std::string_view path) {
                  "what makes the O-ring a spring that depends on frequency, amplitude and pressure "
                  "(docs/theory/elastomers.md); without the table it is an ideal spring");
   if constexpr (which == 1)
-    return number<seal..., &Elastomer::dynamic_ratio>(
-        path, "1", required, usual(1e-3, 6.0, above_one),
-        "stiffness at `frequency` over `stiffness`, which is then that of slow motions; more "
-        "than 1, of O-rings 1.3 to 3",
-        shown("1.6"));
+    return instead_of(
+        drop_arms<seal...>,
+        number<seal..., &Elastomer::dynamic_ratio>(
+            path, "1", otherwise("that of `arms` or `table`"), usual(1e-3, 6.0, above_one),
+            "stiffness at `frequency` over `stiffness`, which is then that of slow motions; more "
+            "than 1, of O-rings 1.3 to 3",
+            shown("1.6")));
   if constexpr (which == 2)
-    return number<seal..., &Elastomer::loss_factor>(
-        path, "1", required, usual(0.01, 1.5, positive),
-        "η at `frequency`: imaginary over real part of the stiffness, of O-rings 0.1 to 0.3",
-        shown("0.2"));
+    return instead_of(
+        drop_arms<seal...>,
+        number<seal..., &Elastomer::loss_factor>(
+            path, "1", otherwise("that of `arms` or `table`"), usual(0.01, 1.5, positive),
+            "η at `frequency`: imaginary over real part of the stiffness, of O-rings 0.1 to 0.3",
+            shown("0.2")));
   if constexpr (which == 3)
-    return number<seal..., &Elastomer::frequency>(path, "Hz", required, usual(0.01, 1e3, positive),
-                                                  "at which `dynamic_ratio` and `loss_factor` hold",
-                                                  shown("10 Hz"));
+    return instead_of(drop_arms<seal...>,
+                      number<seal..., &Elastomer::frequency>(
+                          path, "Hz", otherwise("–"), usual(0.01, 1e3, positive),
+                          "at which `dynamic_ratio` and `loss_factor` hold", shown("10 Hz")));
   if constexpr (which == 4)
     return number<seal..., &Elastomer::softening>(
         path, "1", standard, below_one,
         "share of `stiffness` that large amplitudes take away (Payne effect); used by `modes "
         "--amplitude`");
   if constexpr (which == 5)
-    return number<seal..., &Elastomer::softening_amplitude>(
-        path, "m", standard, usual(1e-6, 1e-2, positive),
-        "amplitude at which half of `softening` is reached; used with `softening`");
+    return used_with(path.starts_with("legs.guide_sleeve") ? "legs.guide_sleeve.elastomer.softening"
+                                                           : "legs.piston_ring.elastomer.softening",
+                     number<seal..., &Elastomer::softening_amplitude>(
+                         path, "m", standard, usual(1e-6, 1e-2, positive),
+                         "amplitude at which half of `softening` is reached; used with "
+                         "`softening`"));
   if constexpr (which == 6)
     return number<seal..., &Elastomer::pressure_stiffening>(
         path, "1/Pa", standard, usual(1e-10, 1e-6, not_negative),
         "growth of `stiffness` per pressure above that of the atmosphere: of the rod side at the "
         "guide sleeve, of the mean of both sides at the piston ring");
+  if constexpr (which == 7) {
+    auto made = row(Kind::rows, path, {}, optional, {},
+                    "in place of `dynamic_ratio`, `loss_factor` and `frequency`: measured rows of "
+                    "frequency [Hz], `dynamic_ratio` and `loss_factor`, to which three arms are "
+                    "fitted",
+                    {});
+    made.in_code = true;
+    made.numbers = 0;
+    return made;
+  }
+  if constexpr (which == 8)
+    return instead_of(
+        drop_ratio<seal...>,
+        table(path, optional,
+              "in place of the same: three Maxwell arms (Prony series) beside `stiffness`"));
+  if constexpr (which == 9)
+    return number<seal..., &Elastomer::arms, &MaxwellArms::strength>(
+        path, "1", required, not_negative, "g, spring of each arm over `stiffness`");
+  if constexpr (which == 10)
+    return number<seal..., &Elastomer::arms, &MaxwellArms::time>(
+        path, "s", required, usual(1e-7, 1e5, positive), "τ, time in which each arm relaxes");
 }
 
 constexpr std::string_view volume_words[]{"chambers", "equal"};
@@ -177,9 +220,10 @@ constexpr ParameterRow leg_rows[]{
         "g, radial, from the centred rod to the guide ring; beyond it the guide ring carries, "
         "with `guide_stiffness` beside k_s",
         shown("0.2 mm"))),
-    alone(number<&Leg::guide_sleeve, &GuideSleeve::guide_stiffness>(
-        "legs.guide_sleeve.guide_stiffness", "N/m", standard, spring_rate,
-        "k_c, lateral, of the guide ring; used with `gap`")),
+    used_with("legs.guide_sleeve.gap",
+              alone(number<&Leg::guide_sleeve, &GuideSleeve::guide_stiffness>(
+                  "legs.guide_sleeve.guide_stiffness", "N/m", standard, spring_rate,
+                  "k_c, lateral, of the guide ring; used with `gap`"))),
     of_elastomer<0, &Leg::guide_sleeve, &GuideSleeve::elastomer>("legs.guide_sleeve.elastomer"),
     of_elastomer<1, &Leg::guide_sleeve, &GuideSleeve::elastomer>(
         "legs.guide_sleeve.elastomer.dynamic_ratio"),
@@ -193,6 +237,14 @@ constexpr ParameterRow leg_rows[]{
         "legs.guide_sleeve.elastomer.softening_amplitude"),
     of_elastomer<6, &Leg::guide_sleeve, &GuideSleeve::elastomer>(
         "legs.guide_sleeve.elastomer.pressure_stiffening"),
+    of_elastomer<7, &Leg::guide_sleeve, &GuideSleeve::elastomer>(
+        "legs.guide_sleeve.elastomer.table"),
+    of_elastomer<8, &Leg::guide_sleeve, &GuideSleeve::elastomer>(
+        "legs.guide_sleeve.elastomer.arms"),
+    of_elastomer<9, &Leg::guide_sleeve, &GuideSleeve::elastomer>(
+        "legs.guide_sleeve.elastomer.arms.strength"),
+    of_elastomer<10, &Leg::guide_sleeve, &GuideSleeve::elastomer>(
+        "legs.guide_sleeve.elastomer.arms.time"),
     table("legs.piston_ring", optional,
           "the O-ring under the piston's ring; without the table it is rigid"),
     alone(number<&Leg::piston_ring, &PistonRing::stiffness>(
@@ -213,6 +265,12 @@ constexpr ParameterRow leg_rows[]{
         "legs.piston_ring.elastomer.softening_amplitude"),
     of_elastomer<6, &Leg::piston_ring, &PistonRing::elastomer>(
         "legs.piston_ring.elastomer.pressure_stiffening"),
+    of_elastomer<7, &Leg::piston_ring, &PistonRing::elastomer>("legs.piston_ring.elastomer.table"),
+    of_elastomer<8, &Leg::piston_ring, &PistonRing::elastomer>("legs.piston_ring.elastomer.arms"),
+    of_elastomer<9, &Leg::piston_ring, &PistonRing::elastomer>(
+        "legs.piston_ring.elastomer.arms.strength"),
+    of_elastomer<10, &Leg::piston_ring, &PistonRing::elastomer>(
+        "legs.piston_ring.elastomer.arms.time"),
     table("legs.oil_spring", required,
           "the oil along the leg: either `stiffness`, or the table `cylinder`"),
     instead_of(drop_cylinder,
@@ -258,9 +316,11 @@ constexpr ParameterRow leg_rows[]{
     number<oil, cylinder, &Cylinder::rod_line_compliance>(
         "legs.oil_spring.cylinder.rod_line_compliance", "m^3/Pa", standard,
         usual(1e-16, 1e-9, not_negative), "the same of the line to the chamber around the rod"),
-    number<oil, cylinder, &Cylinder::density>("legs.oil_spring.cylinder.density", "kg/m^3",
-                                              standard, usual(700.0, 1300.0, positive),
-                                              "ρ of the oil; used with a line length"),
+    used_with("legs.oil_spring.cylinder.cap_line_length",
+              number<oil, cylinder, &Cylinder::density>(
+                  "legs.oil_spring.cylinder.density", "kg/m^3", standard,
+                  usual(700.0, 1300.0, positive), "ρ of the oil; used with a line length"),
+              "legs.oil_spring.cylinder.rod_line_length"),
     number<oil, cylinder, &Cylinder::bulk_modulus>("legs.oil_spring.cylinder.bulk_modulus", "Pa",
                                                    required, usual(1e7, 1e10, positive),
                                                    "β_e of the oil without air", given("1.4 GPa")),
@@ -291,6 +351,44 @@ constexpr ParameterRow leg_rows[]{
     number<&Leg::stroke, &Stroke::length>("legs.stroke.length", "m", required,
                                           usual(2e-3, 20.0, positive), "more than 0",
                                           given("0.6 m")),
+    table("legs.strut", optional,
+          "a plain strut in place of `case`, `rod`, `guide_sleeve`, `piston_ring`, "
+          "`oil_spring` and `stroke`: a spring and a damper without mass between the "
+          "joints, for all six legs",
+          "# A leg may also be a plain strut ([legs.strut] in place of all from "
+          "[legs.case] on) or an\n"
+          "# electric cylinder ([legs.screw] in place of [legs.oil_spring]); see\n"
+          "# docs/howto/machine-file.md\n"),
+    alone(number<&Leg::strut, &Strut::stiffness>("legs.strut.stiffness", "N/m", required,
+                                                 spring_rate, "k, between the joints",
+                                                 shown("20 kN/mm"))),
+    alone(number<&Leg::strut, &Strut::damping>("legs.strut.damping", "N s/m", standard,
+                                               not_negative, "c, viscous, parallel to the spring")),
+    table("legs.screw", optional,
+          "motor and screw of an electric cylinder in place of `oil_spring`, for all "
+          "six legs; its guide bush is `guide_sleeve`"),
+    alone(number<&Leg::screw, &Screw::stiffness>(
+        "legs.screw.stiffness", "N/m", required,
+        spring_rate, "k_a of screw, nut and bearings along the axis", shown("120 N/um"))),
+    alone(number<&Leg::screw, &Screw::damping>("legs.screw.damping", "N s/m", standard,
+                                               not_negative, "c_a, viscous, parallel to it")),
+    number<&Leg::screw, &Screw::lead>("legs.screw.lead", "m", required, usual(5e-4, 0.2, positive),
+                                      "p, way of the nut per revolution", shown("10 mm")),
+    alone(not_mechanical(number<&Leg::screw, &Screw::inertia>(
+        "legs.screw.inertia", "kg m^2", required, positive,
+        "J of rotor, coupling and screw about the axis", shown("4e-3")))),
+    not_mechanical(number<&Leg::screw, &Screw::torque_limit>(
+        "legs.screw.torque_limit", "N m", otherwise("any"), positive, "T_max of the motor",
+        shown("40 N m"))),
+    alone(not_mechanical(number<&Leg::screw, &Screw::speed_limit>(
+        "legs.screw.speed_limit", "rad/s", otherwise("any"), usual(1.0, 5000.0, positive),
+        "ω_max of the motor", shown("3000 rpm")))),
+    not_mechanical(number<&Leg::screw, &Screw::friction_torque>(
+        "legs.screw.friction_torque", "N m", standard, not_negative,
+        "T_f, Coulomb, of motor, bearings and nut; less than the torque limit")),
+    alone(not_mechanical(number<&Leg::screw, &Screw::viscous_friction>(
+        "legs.screw.viscous_friction", "N m s/rad", standard, not_negative,
+        "b of motor, bearings and nut"))),
     simulation("legs.joint_limits", "largest tilt of the joints from the neutral pose"),
     number<&Leg::joint_limits, &JointLimits::base>(
         "legs.joint_limits.base", "rad", otherwise("any"), tilt, "more than 0, no more than 180°",

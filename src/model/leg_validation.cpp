@@ -116,7 +116,24 @@ void check_cylinder(const Cylinder& cylinder, bool has_stroke, ValueChecks& chec
   check_line("rod", cylinder.rod_line_length, cylinder.rod_line_volume, checks);
 }
 
+void check_screw(const Leg& leg, ValueChecks& checks) {
+  const auto& screw = *leg.screw;
+  if (screw.torque_limit && checks.sound("screw.torque_limit") &&
+      checks.sound("screw.friction_torque") && screw.friction_torque >= *screw.torque_limit)
+    checks.add_unexpected("screw.friction_torque", screw.friction_torque, "N m",
+                          "less than the torque limit", *screw.torque_limit);
+  const auto pressed = [](const std::optional<Elastomer>& seal) {
+    return seal && seal->pressure_stiffening != 0.0;
+  };
+  if (pressed(leg.guide_sleeve.elastomer) ||
+      (leg.piston_ring && pressed(leg.piston_ring->elastomer)))
+    checks.add(pressed(leg.guide_sleeve.elastomer) ? "guide_sleeve.elastomer.pressure_stiffening"
+                                                   : "piston_ring.elastomer.pressure_stiffening",
+               "needs oil beside the seal, and an electric cylinder has none; expected 0");
+}
+
 void check_oil_spring(const Leg& leg, ValueChecks& checks) {
+  if (leg.screw) return check_screw(leg, checks);
   const auto& spring = leg.oil_spring;
   if (spring.stiffness && spring.cylinder) {
     checks.add("oil_spring", "both `stiffness` and `cylinder` are given, expected one of them");
@@ -124,6 +141,25 @@ void check_oil_spring(const Leg& leg, ValueChecks& checks) {
     checks.add("oil_spring", "neither `stiffness` nor `cylinder` is given, expected one of them");
   }
   if (spring.cylinder) check_cylinder(*spring.cylinder, leg.stroke.has_value(), checks);
+}
+
+/// What the stiffness over frequency follows from.
+void check_elastomer(const std::string& key, const std::optional<Elastomer>& elastomer,
+                     ValueChecks& checks) {
+  if (!elastomer) return;
+  const bool all = elastomer->dynamic_ratio && elastomer->loss_factor && elastomer->frequency;
+  const bool some = elastomer->dynamic_ratio || elastomer->loss_factor || elastomer->frequency;
+  if (elastomer->arms && some)
+    checks.add(key,
+               "has arms (or a table) and `dynamic_ratio`, `loss_factor` or `frequency`, "
+               "expected one of both");
+  else if (!elastomer->arms && !all)
+    checks.add(key,
+               "expected `dynamic_ratio`, `loss_factor` and `frequency`, or `arms`, or a "
+               "`table` of measured values");
+  else if (elastomer->arms && checks.sound(key + ".arms.strength") &&
+           elastomer->arms->strength.isZero(0.0))
+    checks.add(key + ".arms.strength", "is 0 for all arms, expected one above 0");
 }
 
 /// At both ends of its stroke the piston is on the base side of the guide sleeve, and the guide
@@ -162,12 +198,27 @@ std::vector<Finding> leg_findings(const Machine& machine, int index, NonFinite n
   ValueChecks checks(non_finite);
   checks.rows(machine, index);
   const auto& leg = machine.legs[static_cast<std::size_t>(index)];
+  // where values are missing, the reader has said why
+  if (leg_type(leg) != leg_type(machine) && non_finite == NonFinite::report)
+    checks.add(leg.strut   ? "strut"
+               : leg.screw ? "screw"
+                           : "oil_spring",
+               fmt::format("makes this leg of the type {}, and leg 1 is a {}; expected six legs "
+                           "of one type",
+                           name(leg_type(leg)), name(leg_type(machine))));
+  if (leg.strut) {
+    check_gimbal_axis(leg.gimbal_axis, checks);
+    check_leg_hydraulics(leg, checks);
+    return checks.take();
+  }
   check_body("case", leg.cylinder_case.transverse_inertia, leg.cylinder_case.axial_inertia, checks);
   check_body("rod", leg.rod.transverse_inertia, leg.rod.axial_inertia, checks);
   check_flexible_inertia(leg, checks);
   check_sections(leg, checks);
   check_bending(leg, checks);
   check_oil_spring(leg, checks);
+  check_elastomer("guide_sleeve.elastomer", leg.guide_sleeve.elastomer, checks);
+  if (leg.piston_ring) check_elastomer("piston_ring.elastomer", leg.piston_ring->elastomer, checks);
   check_stroke(leg, checks);
   check_gimbal_axis(leg.gimbal_axis, checks);
   check_leg_hydraulics(leg, checks);

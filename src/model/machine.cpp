@@ -34,6 +34,11 @@ bool has_elastic_legs(const Machine& machine) {
                              [](const Leg& leg) { return leg.bending == LegBending::elastic; });
 }
 
+LegType leg_type(const Leg& leg) {
+  if (leg.strut) return LegType::strut;
+  return leg.screw ? LegType::screw : LegType::cylinder;
+}
+
 std::optional<double> rod_diameter(const Leg& leg) {
   if (leg.rod.diameter) return leg.rod.diameter;
   const auto& cylinder = leg.oil_spring.cylinder;
@@ -44,7 +49,8 @@ std::optional<double> rod_diameter(const Leg& leg) {
 bool has_leg_dampers(const Machine& machine) {
   return std::ranges::any_of(machine.legs, [](const Leg& leg) {
     return leg.guide_sleeve.damping != 0.0 || leg.oil_spring.damping != 0.0 ||
-           (leg.piston_ring && leg.piston_ring->damping != 0.0);
+           (leg.piston_ring && leg.piston_ring->damping != 0.0) ||
+           (leg.strut && leg.strut->damping != 0.0) || (leg.screw && leg.screw->damping != 0.0);
   });
 }
 

@@ -151,9 +151,12 @@ void add_findings(const std::vector<Finding>& findings, const Node& root, Faults
 }
 
 /// A machine with unread values can be judged only by what was read, and not by others' checks.
-std::vector<Finding> findings_of(const Machine& machine, const Check& check, bool incomplete) {
+std::vector<Finding> findings_of(const ReadMachine& read, const Check& check, bool incomplete) {
+  const auto& machine = read.machine;
   if (incomplete) return validate_values(machine, NonFinite::ignore);
   std::vector<Finding> findings = validate(machine);
+  for (const auto& more : {read.findings, without_effect(read)})
+    findings.insert(findings.end(), more.begin(), more.end());
   if (!check) return findings;
   auto more = check(machine);
   if (std::ranges::any_of(more, &Finding::unusual)) return more;  // it names causes
@@ -176,13 +179,13 @@ MachineFile parse_machine(const std::string& text, const std::string& file_name,
   Faults faults(source_names(file_name, overrides));
   lay_over(root, overrides, faults);
   check_keys(root, faults);
-  auto [machine, given] = read_machine(root, faults);
-  add_findings(findings_of(machine, check, faults.incomplete()), root, faults);
+  auto read = read_machine(root, faults);
+  add_findings(findings_of(read, check, faults.incomplete()), root, faults);
   if (faults.any_error()) {
     throw base::InputError(faults.diagnostics(base::Severity::error));
   }
-  return {std::move(machine), faults.diagnostics(base::Severity::warning), std::move(given), text,
-          overrides};
+  return {std::move(read.machine), faults.diagnostics(base::Severity::warning),
+          std::move(read.given), text, overrides};
 }
 
 MachineFile read_machine_file(const std::string& path, const std::vector<std::string>& overrides,

@@ -4,10 +4,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <utility>
 
+#include "elastomer_table.hpp"
+#include "hydrapod/base/units.hpp"
 #include "hydrapod/model/section.hpp"
 
 namespace hydrapod::model {
@@ -49,10 +53,25 @@ class Reader {
       if (!rows_[r].path.starts_with(of_legs)) read_row(r, root_, rows_[r].path, 0);
     read_payload_modes();
     read_poses();
+    keep_undamped();
     return std::move(read_);
   }
 
  private:
+  /// A damper that the file states as 0 says that nothing damps: the assumed ratio is for files
+  /// that say nothing about damping.
+  void keep_undamped() {
+    if (!seal_ratio(read_.machine).is_default) return;
+    constexpr std::array<std::string_view, 7> keys{
+        "legs.guide_sleeve.damping", "legs.piston_ring.damping", "legs.oil_spring.damping",
+        "legs.strut.damping",        "legs.screw.damping",       "damping.rayleigh_mass",
+        "damping.rayleigh_stiffness"};
+    const bool stated = std::ranges::any_of(read_.given, [&](const GivenNumber& given) {
+      return std::ranges::find(keys, rows_[given.id.row].path) != keys.end();
+    });
+    if (stated) read_.machine.damping.modal_ratio = 0.0;
+  }
+
   // ---- Rows ---------------------------------------------------------------------------------
 
   /// Reads the key of a row from its table below `top`, where that table is in the file.
@@ -88,7 +107,8 @@ class Reader {
       const auto r = row(at);
       const bool required = r < rows_.size() && rows_[r].required;
       if (!is_chosen(table, at)) return std::nullopt;
-      table = required ? table.required_table(key) : table.optional_table(key);
+      table =
+          required ? table.required_table(key, instead_of_table(at)) : table.optional_table(key);
       if (!required && !table.exists()) return std::nullopt;
       at += '.';
     }
@@ -343,13 +363,28 @@ class Reader {
 
   void read_leg(const Section& section, int leg) {
     last_table_path_ = {};
+    const auto type = section.is_meant("strut")   ? LegType::strut
+                      : section.is_meant("screw") ? LegType::screw
+                                                  : LegType::cylinder;
+    refuse_beside(type, section);
     for (std::size_t r = 0; r < rows_.size(); ++r)
-      if (rows_[r].path.starts_with(of_legs))
+      if (rows_[r].path.starts_with(of_legs) && belongs_to(type, rows_[r].path))
         read_row(r, section, rows_[r].path.substr(of_legs.size()), leg);
-    const Section spring = section.required_table("oil_spring");
+    auto& read = read_.machine.legs[static_cast<std::size_t>(leg)];
+    if (type == LegType::strut && !read.strut) read.strut.emplace().stiffness = unread;
+    if (type == LegType::screw && !read.screw) read.screw.emplace().lead = unread;
+    if (type == LegType::strut) return;
+    read_elastomer_table(section.optional_table("guide_sleeve"), read.guide_sleeve.elastomer, fits_,
+                         read_.findings);
+    if (read.piston_ring)
+      read_elastomer_table(section.optional_table("piston_ring"), read.piston_ring->elastomer,
+                           fits_, read_.findings);
+    if (type == LegType::screw) return;
+    const Section spring =
+        section.required_table("oil_spring", instead_of_table("legs.oil_spring"));
     if (!spring.choice("stiffness", "cylinder").empty()) return;
     spring.report_missing("stiffness", "either this value or the table `cylinder`");
-    read_.machine.legs[static_cast<std::size_t>(leg)].oil_spring.stiffness = unread;
+    read.oil_spring.stiffness = unread;
   }
 
   // ---- Modes of the payload ------------------------------------------------------------------
@@ -377,9 +412,26 @@ class Reader {
 
   // ---- Poses ---------------------------------------------------------------------------------
 
+  /// Degrees are easily written without their unit. No pose has an angle of more than a turn.
+  static void judge_angle(const Section& pose, const Section::Value& rotation, std::size_t k,
+                          double angle) {
+    if (!(std::abs(angle) > std::numbers::pi)) return;
+    const auto value = pose.element(rotation, k);
+    const bool plain = value.node == nullptr || value.node->kind != Node::Kind::text;
+    constexpr double rounding = 1e-9;
+    if (plain)
+      pose.report(value, fmt::format("is {0:.6g} rad, more than half a turn; did you mean {0:.6g} "
+                                     "deg?",
+                                     angle));
+    else if (std::abs(angle) > base::two_pi * (1.0 + rounding))
+      pose.report(value, fmt::format("is {:.6g} rad, expected no more than a whole turn", angle));
+  }
+
   Pose read_pose(const Section& pose, int index) {
     const Vector3 rpy = pose.vector("rotation", "rad", Vector3::Zero());
     const Pose X_BP{spatial::rotation_from_rpy(rpy), pose.vector("position", "m")};
+    if (const auto value = pose.find("rotation"); value)
+      for (int k = 0; k < 3; ++k) judge_angle(pose, value, static_cast<std::size_t>(k), rpy[k]);
     for (const auto& [key, numbers] : {std::pair{"rotation", rpy}, {"position", X_BP.p_BP}})
       if (const auto value = pose.find(key); value)
         for (int k = 0; k < 3; ++k)
@@ -411,6 +463,7 @@ class Reader {
   std::span<const ParameterRow> rows_{parameter_table()};
   std::string_view last_table_path_{};  ///< of the rows
   std::optional<Section> last_table_{};
+  KnownFits fits_{};
   ReadMachine read_{};
 };
 

@@ -222,7 +222,8 @@ constexpr ParameterRow damping_rows[]{
         "in series with the oil of each chamber as in simulations; `modal_ratio` is then that of "
         "seals and base mount"),
     number<&Machine::damping, &Damping::modal_ratio>(
-        "damping.modal_ratio", "1", otherwise("0.02 where nothing else damps, else 0"), below_one,
+        "damping.modal_ratio", "1", otherwise("0.02 where the file states no damping, else 0"),
+        below_one,
         "damping ratio of every mode on top of the dampers, 0 or more and less than 1; simulations "
         "and poles of the system give it to seals and base mount, hydraulics damp the oil",
         shown("2 %")),

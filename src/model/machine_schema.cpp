@@ -88,6 +88,37 @@ class KeyCheck {
 
 }  // namespace
 
+std::string_view instead_of_table(std::string_view path) {
+  if (belongs_to(LegType::strut, path)) return "";
+  if (belongs_to(LegType::screw, path))
+    return "; a plain strut, [legs.strut], in place of all parts of a cylinder would do too";
+  return "; [legs.screw] of an electric cylinder in its place, or a plain strut, [legs.strut], "
+         "in place of all parts of a cylinder would do too";
+}
+
+void refuse_beside(LegType type, const Section& leg) {
+  const std::string_view own = type == LegType::strut ? "strut" : "screw";
+  if (type == LegType::cylinder || !leg.has(own)) return;
+  std::vector<std::string> found{};
+  std::string_view last{};
+  for (const auto& row : parameter_table()) {
+    if (belongs_to(type, row.path)) continue;
+    auto key = row.path.substr(of_legs.size());
+    key = key.substr(0, key.find('.'));
+    if (key != last && leg.has(key)) found.push_back(fmt::format("`{}`", key));
+    last = key;
+  }
+  if (found.empty()) return;
+  auto list = found.back();
+  found.pop_back();
+  if (!found.empty()) list = fmt::format("{} and {}", fmt::join(found, ", "), list);
+  const auto has = type == LegType::strut ? "a plain strut has no other parts"
+                                          : "an electric cylinder has no oil and no valve";
+  leg.report(leg.find(own), fmt::format("is given beside {}, expected either the one or "
+                                        "the other: {}; all six legs are alike",
+                                        list, has));
+}
+
 void check_keys(const Node& root, Faults& faults) { KeyCheck(faults).check(root, {""}, ""); }
 
 }  // namespace hydrapod::model

@@ -27,7 +27,11 @@ inline constexpr Bound any{};
 inline constexpr Bound positive{.lowest = 0.0, .more_than_lowest = true};
 inline constexpr Bound not_negative{.lowest = 0.0};
 
-inline constexpr Bound spring_rate{.lowest = 0.0, .highest = stiffest, .more_than_lowest = true};
+inline constexpr Bound spring_rate{.lowest = 0.0,
+                                   .highest = stiffest,
+                                   .more_than_lowest = true,
+                                   .expected = "no more than 1e+15, or \"rigid\""};
+static_assert(stiffest == 1e15);
 
 inline constexpr Bound below_one{.lowest = 0.0, .highest = 1.0, .less_than_highest = true};
 inline constexpr Bound up_to_one{.lowest = 0.0, .highest = 1.0, .more_than_lowest = true};
@@ -142,6 +146,13 @@ constexpr ParameterRow not_mechanical(ParameterRow made) {
 /// No condition of validate() relates it to another number.
 constexpr ParameterRow alone(ParameterRow made) {
   made.alone = true;
+  return made;
+}
+
+/// Without one of these numbers it has no effect.
+constexpr ParameterRow used_with(std::string_view one, ParameterRow made,
+                                 std::string_view other = {}) {
+  made.used_with = {one, other};
   return made;
 }
 

@@ -1,4 +1,7 @@
-// The table of all keys: the rows of its parts, one after the other.
+// The table of all keys: the rows of its parts, one after the other; which type of leg has which.
+#include <algorithm>
+#include <array>
+
 #include "parameter_rows.hpp"
 
 namespace hydrapod::model {
@@ -26,5 +29,30 @@ std::span<const ParameterRow> parameter_table() {
 }
 
 std::span<const Alternatives> alternatives() { return pairs; }
+
+std::string_view name(LegType type) {
+  constexpr std::array<std::string_view, 3> names{"hydraulic cylinder", "plain strut",
+                                                  "electric cylinder"};
+  return names.at(static_cast<std::size_t>(type));
+}
+
+std::string_view axial_part(LegType type) {
+  constexpr std::array<std::string_view, 3> parts{"oil", "struts", "screws"};
+  return parts.at(static_cast<std::size_t>(type));
+}
+
+bool belongs_to(LegType type, std::string_view path) {
+  constexpr std::array<std::string_view, 6> of_oil{
+      "oil_spring", "valve", "leakage", "friction", "end_stops", "equivalent_cylinder"};
+  constexpr std::array<std::string_view, 7> of_cylinders{
+      "case", "rod", "guide_sleeve", "piston_ring", "stroke", "bending", "added_axial_inertia"};
+  if (!path.starts_with(of_legs)) return true;
+  auto key = path.substr(of_legs.size());
+  key = key.substr(0, key.find('.'));
+  if (key == "strut") return type == LegType::strut;
+  if (key == "screw") return type == LegType::screw;
+  if (std::ranges::find(of_oil, key) != of_oil.end()) return type == LegType::cylinder;
+  return type != LegType::strut || std::ranges::find(of_cylinders, key) == of_cylinders.end();
+}
 
 }  // namespace hydrapod::model

@@ -36,8 +36,22 @@ int index_of(const ParameterId& id) {
   return id.of - 1;
 }
 
+/// belongs_to() of every row, for machines of that type.
+const std::vector<bool>& rows_of(LegType type) {
+  const auto found = [](LegType of) {
+    std::vector<bool> rows;
+    for (const auto& row : parameter_table()) rows.push_back(belongs_to(of, row.path));
+    return rows;
+  };
+  static const std::array all{found(LegType::cylinder), found(LegType::strut),
+                              found(LegType::screw)};
+  return all[static_cast<std::size_t>(type)];
+}
+
 std::optional<double> value_in(const Machine& machine, const ParameterId& id, int index) {
   const auto& row = row_of(id);
+  if (is_of_legs(row) && !rows_of(leg_type(machine.legs[static_cast<std::size_t>(index)]))[id.row])
+    return std::nullopt;
   if (row.get != nullptr) return row.get(machine, index, id.element);
   const auto* number = row.find(const_cast<Machine&>(machine), index, std::max<int>(id.element, 0));
   if (number == nullptr) return std::nullopt;
@@ -127,8 +141,13 @@ void set(Machine& machine, const Assignment& assignment) {
     for (int element = first; element < end; ++element) *row.make(machine, index, element) = value;
   };
   if (!is_of_legs(row)) return set_in(id.of - 1);
-  for (int leg = 0; leg < leg_count; ++leg)
-    if ((id.legs >> leg & 1) != 0) set_in(leg);
+  for (int leg = 0; leg < leg_count; ++leg) {
+    if ((id.legs >> leg & 1) == 0) continue;
+    const auto type = leg_type(machine.legs[static_cast<std::size_t>(leg)]);
+    if (!rows_of(type)[id.row])
+      throw std::invalid_argument(fmt::format("{}: a {} has no such number", row.path, name(type)));
+    set_in(leg);
+  }
 }
 
 /// Does the id stand for all legs, or for joints that all legs share?

@@ -6,8 +6,9 @@
 #include <optional>
 
 #include "hydrapod/base/units.hpp"
+#include "hydrapod/model/machine_file.hpp"
 #include "hydrapod/model/parameters.hpp"
-#include "hydrapod/model/validation.hpp"
+#include "hydrapod/model/section.hpp"
 
 namespace hydrapod::model {
 
@@ -56,12 +57,20 @@ struct Guess {
   std::string text{};
 };
 
+/// Moduli and strengths of materials are in MPa and GPa, pressures rather in bar.
+using Units = std::array<std::string_view, 3>;
+Units units_like(const UsualForUnit& known, const Range& range) {
+  constexpr double of_materials = 1e9;  // [Pa] no oil is under this pressure
+  const bool material = known.unit == "Pa" && range.most >= of_materials;
+  return material ? Units{"MPa", "GPa", "bar"} : known.others;
+}
+
 /// "; did you mean 1050 mm?": the same digits in another unit, where that is usual. Either the unit
 /// was forgotten, or it was written where another was meant.
 std::optional<Guess> guess(double value, std::string_view unit, const Range& range) {
   for (const auto& known : usual_for_units) {
     if (known.unit != unit) continue;
-    for (const auto other : known.others) {
+    for (const auto other : units_like(known, range)) {
       if (other.empty()) continue;
       const double size = base::quantity(fmt::format("1 {}", other), unit);
       const double larger = value / size;
@@ -138,10 +147,11 @@ class Unusual {
       range = {known->least, known->most};
     }
     if (!std::isfinite(number) || range.holds(number)) return;
-    const auto meant = guess(number, unit, range);
+    const bool rigid = is_spring_rate(unit) && number > range.most;
+    const auto meant = rigid ? std::nullopt : guess(number, unit, range);
     if (meant) take(id, meant->value);
     add(key_of(id), fmt::format("is {}, {}{}", in(number, unit), usual_text(range, unit),
-                                meant ? meant->text : ""));
+                                meant ? meant->text : (rigid ? "; did you mean \"rigid\"?" : "")));
   }
 
   /// Ten tonnes typed as ten kilograms is a mass that some machine may have, but not with such

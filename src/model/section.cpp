@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -28,8 +29,6 @@ std::string array_of(std::size_t size, std::string_view unit) {
 }
 
 }  // namespace
-
-bool is_spring_rate(std::string_view unit) { return unit == "N/m" || unit == "N m/rad"; }
 
 Section::Section(const Node& root, Faults& faults)
     : specific_{&root, "", root.place}, faults_(&faults) {}
@@ -71,11 +70,11 @@ Section Section::optional_table(std::string_view key) const {
   return section;
 }
 
-Section Section::required_table(std::string_view key) const {
+Section Section::required_table(std::string_view key, std::string_view advice) const {
   Section section = optional_table(key);
   if (!section.exists()) {
     if (!section.silent_) {
-      report_missing(key, fmt::format("required table [{}]", missing_path(key)));
+      report_missing(key, fmt::format("required table [{}]", missing_path(key)), advice);
     }
     section.silent_ = true;
     faults_->mark_incomplete();
@@ -113,10 +112,11 @@ std::string Section::missing_path(std::string_view key) const {
   return joined_path(lacking().path, key);
 }
 
-void Section::report_missing(std::string_view key, std::string_view what) const {
+void Section::report_missing(std::string_view key, std::string_view what,
+                             std::string_view advice) const {
   faults_->mark_incomplete();
   if (silent_ || is_misspelt(key)) return;
-  faults_->add(lacking().place, missing_path(key), fmt::format("{} is missing", what));
+  faults_->add(lacking().place, missing_path(key), fmt::format("{} is missing{}", what, advice));
 }
 
 void Section::report_missing_numbers(std::string_view key, std::string_view unit,
@@ -140,7 +140,8 @@ double Section::read_number(const Value& value, std::string_view unit) const {
     if (node.text == rigid_word && is_spring_rate(unit)) return rigid_stiffness;
     const auto quantity = base::read_quantity(node.text, unit);
     if (quantity.ok()) return quantity.value;
-    report(value, quantity.problem);
+    const bool rigid = is_spring_rate(unit) && base::lower_case(node.text) == rigid_word;
+    report(value, quantity.problem + (rigid ? "; did you mean \"rigid\"?" : ""));
   } else {
     report(value, fmt::format("is {}, expected {}", described(node), expected_number(unit)));
   }

@@ -26,8 +26,16 @@ void check_friction(const SealFriction& friction, ValueChecks& checks) {
       checks.add_unexpected("friction.breakaway", *friction.breakaway, "N",
                             "no less than `coulomb`", *friction.coulomb);
   }
-  if (friction.bristles && friction.coulomb && *friction.coulomb == 0.0)
-    checks.add("friction.bristles", "have no effect with `coulomb` = 0 N, expected more");
+  if (friction.bristles && friction.coulomb.value_or(0.0) == 0.0)
+    checks.add("friction.bristles", friction.coulomb
+                                        ? "have no effect with `coulomb` = 0 N, expected more"
+                                        : "have no effect without `coulomb`");
+}
+
+void check_joint_friction(const JointFriction& friction, ValueChecks& checks) {
+  if (friction.bristle_stiffness && friction.coulomb == 0.0)
+    checks.warn("joint_friction.bristle_stiffness",
+                "has no effect with `coulomb` = 0 N m, expected more");
 }
 
 void check_equivalent_cylinder(const Leg& leg, ValueChecks& checks) {
@@ -49,6 +57,7 @@ void check_equivalent_cylinder(const Leg& leg, ValueChecks& checks) {
 void check_leg_hydraulics(const Leg& leg, ValueChecks& checks) {
   check_valve(leg.hydraulics.valve, checks);
   check_friction(leg.hydraulics.friction, checks);
+  check_joint_friction(leg.hydraulics.joint_friction, checks);
   check_equivalent_cylinder(leg, checks);
 }
 

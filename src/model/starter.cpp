@@ -129,7 +129,8 @@ std::string starter_table(const ParameterRow& table) {
   }
   std::string text;
   if (!table.heading.empty()) text = fmt::format("\n{}", table.heading);
-  if (keys.empty()) return text;
+  const bool other_leg = !belongs_to(LegType::cylinder, table.path);
+  if (keys.empty() || other_leg) return text;
   return text + '\n' +
          with_comment(fmt::format("{}[{}]", in_use ? "" : "# ", table.path), table.meaning) + keys;
 }
@@ -145,6 +146,7 @@ std::string replaced(std::string text, std::string_view from, std::string_view t
 std::string unit_cell(const ParameterRow& row) {
   if (row.kind == Kind::word) return "word";
   if (row.kind == Kind::text) return "text";
+  if (row.kind == Kind::rows) return "rows";
   if (row.unit == "1") return "–";
   return replaced(replaced(std::string{row.unit}, "^2", "²"), "^3", "³");
 }

@@ -1,4 +1,4 @@
-#include "hydrapod/model/validation.hpp"
+#include "hydrapod/model/machine_file.hpp"
 
 #include <fmt/format.h>
 
@@ -125,6 +125,33 @@ void check_lines_apart(const Machine& machine, ValueChecks& checks) {
     }
 }
 
+/// Each direction in which the base moves has some inertia, or nothing on it has any.
+void check_base_inertia(const Machine& machine, ValueChecks& checks) {
+  if (!machine.base_mount) return;
+  const auto& mount = *machine.base_mount;
+  // a case moves with the base whatever the rod does
+  if (std::ranges::all_of(machine.legs,
+                          [](const Leg& leg) { return leg.cylinder_case.mass > 0.0; }))
+    return;
+  const bool none =
+      mount.mass == 0.0 && mount.inertia.isZero(0.0) && leg_type(machine) == LegType::strut;
+  for (int k = 0; k < 6 && !none; ++k) {
+    const double own = k < 3 ? mount.mass : mount.inertia[k - 3];
+    if (!mount.stiffness[static_cast<std::size_t>(k)] || own != 0.0) continue;
+    return checks.add(k < 3 ? "base.mount.mass" : "base.mount.inertia",
+                      "is 0 where the base has a spring, and the legs' cases have no mass to give "
+                      "it inertia there, expected more than 0");
+  }
+}
+
+/// Chambers are those of cylinders.
+void check_oil_damping(const Machine& machine, ValueChecks& checks) {
+  if (has_chambers(machine) && leg_type(machine) != LegType::cylinder)
+    checks.add("damping.oil",
+               fmt::format("is \"chambers\", and a {} has none, expected \"viscous\"",
+                           name(leg_type(machine))));
+}
+
 bool check_joints(const Machine& machine, Vector3 Leg::*joint, const char* side,
                   ValueChecks& checks) {
   JointPoints joints;
@@ -206,6 +233,8 @@ std::vector<Finding> validate_values(const Machine& machine, NonFinite non_finit
   if (on_base && on_platform) check_lines_apart(machine, checks);
   check_supply(machine.hydraulics, checks);
   check_lines(machine, checks);
+  check_oil_damping(machine, checks);
+  check_base_inertia(machine, checks);
   check_sensors(machine.sensors, checks);
   check_poses(machine.poses, checks);
   std::vector<Finding> findings = checks.take();

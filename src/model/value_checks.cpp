@@ -73,6 +73,8 @@ void ValueChecks::rows(const Machine& machine, std::optional<int> leg) {
   for (const auto& row : parameter_table()) {
     const bool of_leg = row.path.starts_with(of_legs);
     if (row.in_code || row.find == nullptr || of_leg != leg.has_value()) continue;
+    if (leg && !belongs_to(leg_type(machine.legs[static_cast<std::size_t>(*leg)]), row.path))
+      continue;
     const auto key = of_leg ? row.path.substr(of_legs.size()) : row.path;
     const auto unit = unit_of(machine, row);
     for (int k = 0; k < row.numbers; ++k) {

@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "hydrapod/model/machine_file.hpp"
 #include "hydrapod/model/parameters.hpp"
-#include "hydrapod/model/validation.hpp"
 
 namespace hydrapod::model {
 

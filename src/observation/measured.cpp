@@ -154,6 +154,7 @@ Targets measured_modes(const data::ModalResults& identified, const model::Machin
         .name = fmt::format("{:.3f} Hz", mode.omega() / base::two_pi),
         .pose = at.pose,
         .omega = mode.omega(),
+        .damped = true,
         .deviation = std::hypot(mode.omega_deviation,
                                 model_error(mode, measured.motion, weights, identified.line_spacing,
                                             in_flank(mode, identified.modes)))};

@@ -231,8 +231,8 @@ int nearest_mode(const Observation& seen, const ObservedMode& mode) {
 
 std::string_view description(Observed observed) {
   constexpr std::array<std::string_view, 3> descriptions{
-      "mechanics with oil springs", "mechanics, hydraulics and valves, without controller",
-      "mechanics, hydraulics, valves and controller"};
+      "mechanics with oil springs", "mechanics and actuators, without controller",
+      "mechanics, actuators and controller"};
   return descriptions[static_cast<std::size_t>(observed)];
 }
 

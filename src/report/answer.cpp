@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 
 #include "hydrapod/base/units.hpp"
 
@@ -70,14 +71,14 @@ std::string percent_text(double share) {
 }
 
 std::string energy_text(double oil, double guide_sleeve, double piston_ring, double base,
-                        double payload, double bending) {
+                        double payload, double bending, model::LegType leg) {
   constexpr double worth_naming = 0.005;
   std::string text;
-  const auto add = [&](const char* part, double share) {
+  const auto add = [&](std::string_view part, double share) {
     if (share >= worth_naming)
       text += fmt::format("{}{} {} %", text.empty() ? "" : ", ", part, percent_text(share));
   };
-  add("oil", oil);
+  add(model::axial_part(leg), oil);
   add("sleeves", guide_sleeve);
   add("rings", piston_ring);
   add("bending", bending);
@@ -88,7 +89,8 @@ std::string energy_text(double oil, double guide_sleeve, double piston_ring, dou
 
 std::string energy_text(const modal::EnergyShares& energy) {
   return energy_text(energy.oil.sum(), energy.guide_sleeve.sum(), energy.piston_ring.sum(),
-                     energy.base_mount, energy.payload_elastic, energy.bending.sum());
+                     energy.base_mount, energy.payload_elastic, energy.bending.sum(),
+                     energy.leg_type);
 }
 
 std::string answer_text(const modal::ModeTable& table) {
@@ -123,6 +125,8 @@ Json answer_json(const modal::ModeTable& table) {
              {{"oil", entry.energy.oil.sum()},
               {"guide_sleeve", entry.energy.guide_sleeve.sum()},
               {"piston_ring", entry.energy.piston_ring.sum()}}}};
+  if (entry.energy.leg_type != model::LegType::cylinder)
+    json["strain_energy"]["axial"] = model::axial_part(entry.energy.leg_type);
   if (entry.energy.base_mount != 0.0) json["strain_energy"]["base_mount"] = entry.energy.base_mount;
   if (entry.energy.payload_elastic != 0.0)
     json["strain_energy"]["payload"] = entry.energy.payload_elastic;

@@ -79,6 +79,7 @@ void describe_target(Fields& f, ModeTarget& target, FittedTarget& fit) {
   f("pose", target.pose);
   f.counted("mode", fit.mode);
   f("target_rad_s", target.omega);
+  f.unless(false, "damped", target.damped);
   f("model_rad_s", fit.omega);
   f("deviation_rad_s", target.deviation);
   f("difference_in_deviations", fit.difference);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <numbers>
 #include <set>
 
@@ -38,11 +39,13 @@ const char* colour(Limit limit) {
   switch (limit) {
     case Limit::push:
     case Limit::pull:
+    case Limit::torque:
       return "#0072b2";
     case Limit::column:
       return "#d55e00";
     case Limit::extending:
     case Limit::retracting:
+    case Limit::motor_speed:
       return "#56b4e9";
     case Limit::pump:
       return "#009e73";
@@ -91,6 +94,11 @@ std::string ability_panel(const simulation::Capability& capability, Ability abil
   std::string text = at_screen(cell) + "unset object\nunset label\n" + first_labels;
   text += fmt::format("set title {} font ',11'\n",
                       quoted(fmt::format("{} [{}, {}]", axis.title, axis.unit, axis.turn_unit)));
+  if (std::isinf(capability.of(ability, 0, 0).value)) {
+    for (int row = 1; row <= 6; ++row)
+      text += fmt::format("set label 'no limit' at 0.05,{} left font ',9'\n", row);
+    return text + "plot NaN notitle\n";
+  }
   for (int half = 0; half < 2; ++half) {
     double longest = 0.0;
     for (int d = 3 * half; d < 3 * half + 3; ++d)
@@ -125,7 +133,7 @@ std::string limit_legend(const simulation::Capability& capability, const Cell& c
     for (const auto& direction : ability)
       for (const auto& reach : direction) {
         const std::string name = family(reach.limit);
-        if (!seen.insert(name).second) continue;
+        if (std::isinf(reach.value) || !seen.insert(name).second) continue;
         row -= 0.7;
         text += fmt::format(
             "set object rectangle from -1.8,{:.2f} to -1.5,{:.2f} fc rgb '{}' fs solid noborder\n"
@@ -150,16 +158,19 @@ std::string limit_text(Limit limit) {
                              "angle of a base joint",
                              "angle of a platform joint",
                              "singular pose",
-                             "nothing as far as was looked"};
+                             "nothing as far as was looked",
+                             "torque of a motor",
+                             "speed of a motor"};
   static_assert(words.size() == simulation::limit_count);
   return words.at(static_cast<std::size_t>(limit));
 }
 
 void plot_capability(const PoseCheck& check, const std::string& title, const std::string& path) {
   if (!check.capability)
-    throw base::ComputationError(
-        fmt::format("pose {}: no picture of what the machine can do, since it does not stand there",
-                    check.pose.name));
+    throw base::ComputationError(fmt::format(
+        "pose {}: no picture of what the machine can do, since it does not stand there, "
+        "or its motors have no limits",
+        check.pose.name));
   const CellGrid grid(simulation::ability_count + 1);
   const std::string heading =
       titles(title,

@@ -14,6 +14,8 @@ namespace hydrapod::report {
 
 namespace {
 
+constexpr double litres_per_minute = 6e4;  ///< in a m³/s
+
 /// "leg 3", "legs 1, 2 and 5", "all legs".
 std::string legs_text(const std::vector<int>& legs) {
   if (legs.empty()) return {};
@@ -27,7 +29,10 @@ std::string legs_text(const std::vector<int>& legs) {
 }  // namespace
 
 std::string mass_text(double mass) {
-  return std::abs(mass) < 1e4 ? fmt::format("{:.4g} kg", mass) : fmt::format("{:.0f} kg", mass);
+  constexpr double in_full = 1e4, too_long = 1e9;
+  const double size = std::abs(mass);
+  return size < in_full || size >= too_long ? fmt::format("{:.4g} kg", mass)
+                                            : fmt::format("{:.0f} kg", mass);
 }
 
 std::string warning_text(const PoseWarning& warning) {
@@ -37,8 +42,7 @@ std::string warning_text(const PoseWarning& warning) {
       "no static equilibrium was found at this pose",
       "{legs}: only {millimetres:.3g} mm of stroke left",
       "{legs}: the piston is only {millimetres:.3g} mm from the guide sleeve; the tilt stiffness "
-      "is "
-      "low there",
+      "is low there",
       "{legs}: the static load tilts the rod in its seals by {degrees:.2g}°",
       "the pose is close to a singular pose: condition {value:.3g}",
       "{legs}: the oil can give {limit} at the supply pressure, and {force} are to be held; "
@@ -51,14 +55,33 @@ std::string warning_text(const PoseWarning& warning) {
       "{legs}: as a column the leg bears {value:.2g} times the static force; usual are 3.5 times",
       "{legs}: the oil can push with {force}, and the rod buckles at {limit}",
       "{legs}: the rod lies on its guide ring: its axis is {millimetres:.3g} mm off the centre, "
-      "the gap is {gap:.3g} mm"};
+      "the gap is {gap:.3g} mm",
+      "the oil springs do not hold the platform: with rigid guide sleeves it is unstable too; "
+      "{relief}use stiffer oil springs (legs.oil_spring)",
+      "the pump gives {flow:.4g} l/min, and the valves leak {leakage:.4g} l/min at rest; expected "
+      "a larger supply.pump_flow or less leakage",
+      "{legs}: {force} of friction hold the piston, and the oil has {limit} beside the load; "
+      "expected less legs.friction or a higher supply.pressure",
+      "{legs}: {force} of friction are {percent:.0f} % of what the oil can push with; usual are "
+      "some percent",
+      "the struts do not hold the platform: the machine is unstable; {relief}use stiffer struts "
+      "(legs.strut)",
+      "the screws do not hold the platform: with rigid guide sleeves it is unstable too; "
+      "{relief}use stiffer screws (legs.screw)",
+      "{legs}: the motor can move {limit}, and {force} are to be held; expected a higher "
+      "legs.screw.torque_limit, a smaller lead or less mass",
+      "{legs}: the motor can push with {force}, and the rod buckles at {limit}"};
   const double value = warning.value;
   const std::string mass = mass_text(value), legs = legs_text(warning.legs);
   return fmt::format(
       fmt::runtime(texts.at(static_cast<std::size_t>(warning.kind))), fmt::arg("value", value),
-      fmt::arg("ratio", warning.ratio), fmt::arg("mass", mass), fmt::arg("legs", legs),
+      fmt::arg("ratio", warning.ratio), fmt::arg("mass", mass),
+      fmt::arg("relief", value > 0.0 ? "remove " + mass + ", or " : ""), fmt::arg("legs", legs),
       fmt::arg("millimetres", 1e3 * value), fmt::arg("bar", 1e-5 * value),
-      fmt::arg("gap", 1e3 * warning.ratio), fmt::arg("stated_bar", 1e-5 * warning.ratio),
+      fmt::arg("flow", litres_per_minute * value),
+      fmt::arg("leakage", litres_per_minute * warning.ratio),
+      fmt::arg("percent", 100.0 * value / warning.ratio), fmt::arg("gap", 1e3 * warning.ratio),
+      fmt::arg("stated_bar", 1e-5 * warning.ratio),
       fmt::arg("force", fmt::format("{:.4g} kN", 1e-3 * value)),
       fmt::arg("limit", fmt::format("{:.4g} kN", 1e-3 * warning.ratio)),
       fmt::arg("degrees", value * (180.0 / std::numbers::pi)));
@@ -67,7 +90,9 @@ std::string warning_text(const PoseWarning& warning) {
 bool is_fatal(PoseWarning::Kind kind) {
   using Kind = PoseWarning::Kind;
   return kind == Kind::buckled || kind == Kind::no_equilibrium || kind == Kind::weak_supply ||
-         kind == Kind::rod_buckles;
+         kind == Kind::rod_buckles || kind == Kind::soft_oil || kind == Kind::weak_pump ||
+         kind == Kind::stuck || kind == Kind::soft_struts || kind == Kind::soft_screws ||
+         kind == Kind::weak_motor;
 }
 
 bool is_sound(const PoseCheck& check) {
@@ -75,7 +100,63 @@ bool is_sound(const PoseCheck& check) {
                               [](const PoseWarning& warning) { return is_fatal(warning.kind); });
 }
 
-std::string verdict_text(const std::vector<PoseCheck>& poses) {
+namespace {
+
+/// "platform.mass is 10 kg": what was found, without what would be usual.
+std::string number_text(const model::Finding& finding) {
+  return finding.key + " " + finding.message.substr(0, finding.message.find_first_of(",;"));
+}
+
+/// "implausible number: legs.oil_spring.cylinder.bore is 100 m"; empty where there is none.
+std::string numbers_text(std::string_view what, const std::vector<std::string>& numbers) {
+  constexpr std::size_t most = 3;
+  if (numbers.empty()) return {};
+  const auto shown = std::min(numbers.size(), most);
+  std::string text = fmt::format("{} number{}: {}", what, numbers.size() > 1 ? "s" : "",
+                                 fmt::join(numbers.begin(), numbers.begin() + shown, ", "));
+  if (numbers.size() > shown) text += fmt::format(" and {} more", numbers.size() - shown);
+  return text;
+}
+
+/// Of the pose at which the valves leak most; null where the pump covers the leakage at all.
+const PoseWarning* weakest_pump(const std::vector<PoseCheck>& poses) {
+  const PoseWarning* weakest = nullptr;
+  for (const auto& check : poses)
+    for (const auto& warning : check.warnings)
+      if (warning.kind == PoseWarning::Kind::weak_pump &&
+          (weakest == nullptr || warning.ratio > weakest->ratio))
+        weakest = &warning;
+  return weakest;
+}
+
+struct NumbersToSay {
+  std::vector<std::string> implausible{}, unusual{};
+};
+
+NumbersToSay numbers_to_say(const model::Machine& machine) {
+  NumbersToSay numbers;
+  for (const auto& finding : model::unusual_numbers(machine).findings)
+    (is_implausible(machine, finding) ? numbers.implausible : numbers.unusual)
+        .push_back(number_text(finding));
+  return numbers;
+}
+
+}  // namespace
+
+bool is_implausible(const model::Machine& machine, const model::Finding& finding) {
+  const auto id = model::find_parameter(machine, finding.key);
+  if (!id || model::row_of(*id).kind == model::Kind::tensor) return false;
+  const auto& bound = model::row_of(*id).bound;
+  const double size = std::abs(model::value(machine, *id).value_or(0.0));
+  return bound.usual_most == 0.0 || size < bound.usual_least || size > bound.usual_most;
+}
+
+bool is_sound(const std::vector<PoseCheck>& poses, const model::Machine& machine) {
+  return std::ranges::all_of(poses, [](const auto& check) { return is_sound(check); }) &&
+         numbers_to_say(machine).implausible.empty();
+}
+
+std::string verdict_text(const std::vector<PoseCheck>& poses, const model::Machine& machine) {
   using Kind = PoseWarning::Kind;
   std::vector<std::string> reasons;
   const auto add = [&](Kind kind, std::string_view what) {
@@ -93,9 +174,24 @@ std::string verdict_text(const std::vector<PoseCheck>& poses) {
   add(Kind::no_equilibrium, "no equilibrium was found");
   add(Kind::weak_supply, "the supply cannot hold the load");
   add(Kind::rod_buckles, "the rods buckle");
+  add(Kind::soft_oil, "the oil springs do not hold the platform");
+  add(Kind::soft_struts, "the struts do not hold the platform");
+  add(Kind::soft_screws, "the screws do not hold the platform");
+  add(Kind::weak_motor, "the motors cannot hold the load");
+  add(Kind::stuck, "the oil cannot move the legs against their friction");
+  if (const auto* weak = weakest_pump(poses))
+    add(Kind::weak_pump,
+        fmt::format("the pump gives {:.4g} l/min and the valves leak {:.4g} l/min",
+                    litres_per_minute * weak->value, litres_per_minute * weak->ratio));
+  const auto numbers = numbers_to_say(machine);
+  if (auto text = numbers_text("implausible", numbers.implausible); !text.empty())
+    reasons.push_back(std::move(text));
   if (!reasons.empty()) return fmt::format("Not sound: {}.", fmt::join(reasons, "; "));
-  return poses.size() == 1 ? fmt::format("Sound at pose {}.", poses.front().pose.name)
-                           : fmt::format("Sound at all {} poses.", poses.size());
+  const auto unusual = numbers_text("unusual", numbers.unusual);
+  return fmt::format("Sound at {}{}.",
+                     poses.size() == 1 ? "pose " + poses.front().pose.name
+                                       : fmt::format("all {} poses", poses.size()),
+                     unusual.empty() ? "" : "; " + unusual);
 }
 
 template <class Fields>
@@ -165,6 +261,9 @@ void describe(Fields& f, LegCheck& leg) {
   f.optional("rod_pressure_Pa", leg.rod_pressure);
   f("largest_push_N", leg.largest_push);
   f("largest_pull_N", leg.largest_pull);
+  f.optional("holding_torque_N_m", leg.holding_torque);
+  f.optional("torque_limit_N_m", leg.torque_limit);
+  f.optional("largest_speed_m_s", leg.largest_speed);
   f.optional("column", leg.column);
 }
 
@@ -173,7 +272,9 @@ void describe(Fields& f, PoseWarning& warning) {
   static constexpr std::array words{
       "buckled",        "near_buckling", "no_equilibrium", "little_stroke", "short_guide",
       "tilted_rod",     "near_singular", "weak_supply",    "air_pressure",  "rod_buckles",
-      "little_reserve", "slender_rod",   "rod_on_guide"};
+      "little_reserve", "slender_rod",   "rod_on_guide",   "soft_oil",      "weak_pump",
+      "stuck",          "much_friction", "soft_struts",    "soft_screws",   "weak_motor",
+      "slender_screw"};
   f.word("kind", warning.kind, words);
   f("value", warning.value);
   f("ratio", warning.ratio);
@@ -211,9 +312,14 @@ void describe(Fields& f, PoseCheck& check) {
 }
 
 Json check_json(const std::vector<PoseCheck>& poses, const model::Machine& machine) {
-  Json json{{"sound", std::ranges::all_of(poses, is_sound)},
+  Json json{{"sound", is_sound(poses, machine)},
+            {"unusual_numbers", Json::array()},
             {"simulation_assumptions", Json::array()},
             {"poses", written(poses)}};
+  for (const auto& finding : model::unusual_numbers(machine).findings)
+    json["unusual_numbers"].push_back({{"key", finding.key},
+                                       {"text", finding.message},
+                                       {"implausible", is_implausible(machine, finding)}});
   for (const auto& one : hydraulics::hydraulic_assumptions(machine))
     json["simulation_assumptions"].push_back({{"key", one.key}, {"text", one.text}});
   return json;

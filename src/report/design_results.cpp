@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "gnuplot.hpp"
-#include "hydrapod/report/study_results.hpp"
+#include "hydrapod/report/model_results.hpp"
 
 namespace hydrapod::report {
 

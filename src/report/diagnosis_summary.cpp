@@ -38,25 +38,11 @@ std::string weight_text(double mac, double omega, double omega_rigid) {
                      100.0 * mac, report::peak_height(mac, omega, omega_rigid));
 }
 
-/// Is a measured mode a resonance of its direction (FirstResonance)? The share that no measured
-/// mode holds is taken to be in one that was not measured.
-bool is_resonance(const Diagnosis& d, const MeasuredMode& mode) {
-  double largest = 0.0, left = 1.0;
-  for (const auto& other : d.modes) {
-    if (other.pose != mode.pose || other.omega_rigid != mode.omega_rigid) continue;
-    largest = std::max(largest, other.rigid_mac);
-    left -= other.rigid_mac;
-  }
-  return mode.rigid_mac >= ResonanceOptions{}.of_largest * std::max(largest, left);
-}
-
 /// First measured resonance of every direction at a pose.
 void add_drops(const Diagnosis& d, std::vector<std::string>& words) {
   std::map<std::pair<std::string, int>, const MeasuredMode*> first;
   for (const auto& mode : d.modes) {
-    if (mode.direction < 0 || mode.mode_direction >= 0 || mode.rigid_mac < resonance_mac ||
-        !is_resonance(d, mode))
-      continue;
+    if (mode.direction < 0 || mode.mode_direction >= 0 || !mode.resonance) continue;
     auto& lowest = first[{mode.pose, mode.direction}];
     if (lowest == nullptr || mode.omega < lowest->omega) lowest = &mode;
   }
@@ -226,6 +212,11 @@ bool add_lower_modes(const CaseFile& file, std::vector<std::string>& words) {
 
 void add_attribution(const CaseFile& file, std::vector<std::string>& words) {
   constexpr std::size_t most = 3;
+  if (std::ranges::any_of(file.drops, [](const auto& d) { return d.resonance.omega == 0.0; })) {
+    words.push_back(fmt::format("Calculated at pose {} for the {} machine{}: the legs fold.",
+                                file.pose, machine_word(file), alone_words(file)));
+    return;
+  }
   std::vector<const AttributedDrop*> drops;
   for (const auto& drop : file.drops)
     if (drop.resonance.drop() >= notable_drop && !drop.parts.empty()) drops.push_back(&drop);

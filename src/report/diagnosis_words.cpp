@@ -91,7 +91,15 @@ constexpr std::array cause_words{
                "", ""},
     CauseWords{"loss factor of the guide sleeves' elastomers",
                "the loss factor of the guide sleeves' elastomers differs from the nominal value",
-               "", ""}};
+               "", ""},
+    CauseWords{"struts of all legs",
+               "the stiffness of the struts of all legs differs from the nominal value",
+               "strut of leg {}",
+               "the stiffness of the strut of leg {} differs from the nominal value"},
+    CauseWords{"screws of all legs",
+               "the stiffness of the screws of all legs differs from the nominal value",
+               "screw of leg {}",
+               "the stiffness of the screw of leg {} differs from the nominal value"}};
 
 std::string of_cause(const Cause& cause, const char* CauseWords::*all,
                      const char* CauseWords::*of_leg) {
@@ -292,7 +300,7 @@ std::string worst_kind_text(const Goodness& g) {
 std::string unexplained_text(const Diagnosis& d) {
   const auto& e = d.judged();
   const auto best = fmt::format("even the best hypothesis ({})", hypothesis_name(d, e));
-  switch (d.unexplained.value_or(Unexplained::scatter)) {
+  switch (d.unexplained.value_or(why_unexplained(d, e).value_or(Unexplained::scatter))) {
     case Unexplained::scatter:
       return fmt::format("{} differs from the measured values by {:.{}f} σ", best, d.scatter,
                          d.scatter < 10.0 ? 1 : 0);
@@ -314,7 +322,7 @@ std::string unexplained_text(const Diagnosis& d) {
     case Unexplained::at_bound:
       break;
   }
-  return fmt::format("{} needs a value at the limit of what can be built ({})", best,
+  return fmt::format("{} has a parameter at the bound of its range ({})", best,
                      fmt::join(parameter_words(e), "; "));
 }
 

@@ -99,6 +99,16 @@ Json vector_json(const Eigen::VectorXcd& v) {
   return {{"re", std::move(re)}, {"im", std::move(im)}};
 }
 
+/// Motions of the model's modes against what the outputs are against: the page draws both modes.
+void add_motions(const ComparedModes& compared, const identification::Identification& result,
+                 Json& pairs) {
+  const auto against = observation::motion_against(result.responses.outputs);
+  for (std::size_t k = 0; k < compared.result.pairs.size(); ++k) {
+    const auto model = static_cast<std::size_t>(compared.result.pairs[k].model);
+    pairs[k]["model"]["motion"] = vector_json(compared.result.model[model].motion(against));
+  }
+}
+
 }  // namespace
 
 std::string measurement_text(const identification::FrequencyResponses& r) {
@@ -130,6 +140,10 @@ Json identification_section(const identification::Identification& result,
   json["measured"] = text.measured;
   json["frame"] = text.frame;
   json["comparison"] = compared ? comparison_json(*compared, result) : Json(nullptr);
+  if (compared) add_motions(*compared, result, json["comparison"]["pairs"]);
+  for (std::size_t o = 0; o < result.responses.outputs.size(); ++o)
+    json["outputs"][o]["time_derivatives"] =
+        data::time_derivatives(result.responses.outputs[o].unit);
   const auto motions = motion_words(result);
   for (std::size_t r = 0; r < motions.size(); ++r) json["modes"][r]["motion"] = motions[r];
   json["responses"] = shown_responses(result.responses);

@@ -91,11 +91,21 @@ std::string plant_damping_text(const model::Machine& machine, bool hydraulics) {
     add(beta);
     add_to(springs, beta);
   }
-  std::string text = !hydraulics ? "oil springs by " + (springs.empty() ? "nothing" : springs)
+  const auto type = model::leg_type(machine);
+  if (any([](const model::Leg& leg) {
+        return (leg.strut && leg.strut->damping != 0.0) || (leg.screw && leg.screw->damping != 0.0);
+      }))
+    springs = springs.empty() ? "their dampers" : "their dampers + " + springs;
+  const auto springs_text = springs.empty() ? std::string("nothing") : springs;
+  const auto motors =
+      type == model::LegType::screw && hydraulics ? "; motors by friction and speed loops" : "";
+  std::string text = type != model::LegType::cylinder
+                         ? fmt::format("{} by {}{}", model::axial_part(type), springs_text, motors)
+                     : !hydraulics ? "oil springs by " + springs_text
                      : oil && !model::has_chambers(machine)
                          ? "oil by leakage, valves and friction (in place of `oil_spring.damping`)"
                          : "oil by leakage, valves and friction";
-  text += "; seals by " + (seals.empty() ? "nothing" : seals);
+  if (type != model::LegType::strut) text += "; seals by " + (seals.empty() ? "nothing" : seals);
   if (machine.base_mount && ratio.value > 0.0)
     text += fmt::format("; base mount by {:.3g} % of critical", 100.0 * ratio.value);
   if (!machine.payload_modes.empty()) {
@@ -122,6 +132,10 @@ std::string state_text(const model::MachineFile& file) {
   for (std::size_t k = 0; k < std::min(most, overrides.size()); ++k)
     text += (k == 0 ? ", with " : "; ") + overrides[k];
   if (overrides.size() > most) text += fmt::format("; and {} more", overrides.size() - most);
+  if (model::leg_type(file.machine) == model::LegType::strut)
+    text += "; the legs are plain struts: results are of the rigid-leg model";
+  if (model::leg_type(file.machine) == model::LegType::screw)
+    text += "; the legs are electric cylinders: mechanics with held motors";
   return text;
 }
 
@@ -173,6 +187,11 @@ void describe(Fields& f, modal::EnergyShares& energy) {
   f.derived("guide_sleeve", energy.guide_sleeve.sum());
   f.derived("piston_ring", energy.piston_ring.sum());
   f("preload", energy.preload);
+  // what `oil` is of where it is no oil
+  std::string axial{model::axial_part(energy.leg_type)};
+  f.unless(std::string("oil"), "axial", axial);
+  for (const auto type : {model::LegType::cylinder, model::LegType::strut, model::LegType::screw})
+    if (axial == model::axial_part(type)) energy.leg_type = type;
   f.object("per_leg", [&](auto& leg) {
     leg("oil", energy.oil);
     leg("guide_sleeve", energy.guide_sleeve);

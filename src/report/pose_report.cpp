@@ -1,11 +1,56 @@
 #include "pose_report.hpp"
 
+#include <algorithm>
+#include <limits>
 #include <utility>
 
+#include "fields.hpp"
 #include "geometry_json.hpp"
-#include "modal_response_json.hpp"
+#include "hydrapod/report/model_results.hpp"
 
 namespace hydrapod::report {
+
+namespace {
+
+struct Band {
+  double from{std::numeric_limits<double>::infinity()};
+  double to{0.0};
+};
+
+void widen(Band& band, const std::vector<modal::TabledMode>& modes) {
+  for (const auto& entry : modes) {
+    if (!entry.moves_platform || !(entry.mode.omega > 0.0)) continue;
+    band.from = std::min(band.from, entry.mode.omega);
+    band.to = std::max(band.to, entry.mode.omega);
+  }
+}
+
+/// The band of the modes that the platform's mass centre feels, and the peaks there; null without.
+Json bode_section(const modal::ModeTable& table, const model::Machine& machine, int points) {
+  const auto& p_PC = machine.platform.mass_center;
+  const auto response_of = [&](const modal::AnalysedModel& model) {
+    return response::response_model(model.linear, model.normal, table.ratio.value, p_PC);
+  };
+  Band band;
+  widen(band, table.real.modes);
+  widen(band, table.rigid.modes);
+  if (!(band.to > 0.0)) return nullptr;
+  constexpr double room_below = 0.3, room_above = 2.5;
+  const response::PeakOptions options{.from = room_below * band.from, .to = room_above * band.to};
+  const auto real = response_of(table.real);
+  const auto rigid = response_of(table.rigid);
+  return {{"input", "wrench"},
+          {"output", "displacement"},
+          {"point", "platform mass centre"},
+          {"point_m", written(real.p_BQ)},
+          {"from_rad_s", options.from},
+          {"to_rad_s", options.to},
+          {"points", points},
+          {"peaks", peaks_json(response::find_peaks(real, options), table.real)},
+          {"rigid_peaks", peaks_json(response::find_peaks(rigid, options), table.rigid)}};
+}
+
+}  // namespace
 
 Json pose_report(const model::Machine& machine, const model::NamedPose& pose,
                  const modal::ModeTable& table, int points) {
@@ -13,7 +58,7 @@ Json pose_report(const model::Machine& machine, const model::NamedPose& pose,
   json.update(modes_json(table));
   json["geometry"] = geometry_json(machine, table.real.linear);
   if (points > 0)
-    if (Json bode = bode_json(table, machine, points); !bode.is_null())
+    if (Json bode = bode_section(table, machine, points); !bode.is_null())
       json["bode"] = std::move(bode);
   return json;
 }

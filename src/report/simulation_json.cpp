@@ -69,6 +69,10 @@ void describe_leg(Fields& f, Simulation& s, std::size_t i) {
   f("peak_drive", summary.peak_drive[i]);
   f("share_at_limit", limited);
   if constexpr (Fields::reads) summary.limited[i] = std::lround(limited * samples);
+  f.unless(0.0, "peak_torque_N_m", summary.peak_torque[i]);
+  double torque_limited = static_cast<double>(summary.torque_limited[i]) / samples;
+  f.unless(0.0, "share_at_torque_limit", torque_limited);
+  if constexpr (Fields::reads) summary.torque_limited[i] = std::lround(torque_limited * samples);
 }
 
 template <class Fields>
@@ -153,6 +157,10 @@ void describe(Fields& f, Simulation& s) {
     histories(trace, "drive", s.trace.drive);
     histories(trace, "cap_pressure_Pa", s.trace.cap_pressure);
     histories(trace, "rod_pressure_Pa", s.trace.rod_pressure);
+    if (s.trace.torque.empty() && !trace.has("torque_N_m")) return;
+    histories(trace, "nut_m", s.trace.nut);
+    histories(trace, "motor_speed_rad_s", s.trace.motor_speed);
+    histories(trace, "torque_N_m", s.trace.torque);
   });
   if constexpr (Fields::reads) {
     s.controller = tuning.parameters;

@@ -97,7 +97,8 @@ void plot_simulation(const Simulation& s, const std::string& title, const std::s
     if (i == 0) text += "unset label 101\nunset label 102\n";
   }
   text += leg_plot("pistons, from the base joints", "mm", 0, 14, !has_valves);
-  if (has_valves) text += leg_plot("drives at the valves", "%", 1, 20, true);
+  const auto* drives = s.trace.torque.empty() ? "drives at the valves" : "drives of the motors";
+  if (has_valves) text += leg_plot(drives, "%", 1, 20, true);
   draw(path, run_width, run_height, text + "unset multiplot\n");
 }
 

@@ -1,4 +1,4 @@
-#include "hydrapod/report/study_results.hpp"
+#include "hydrapod/report/model_results.hpp"
 
 #include <fmt/format.h>
 

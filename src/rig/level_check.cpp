@@ -8,11 +8,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
-#include "hydrapod/base/units.hpp"
 #include "hydrapod/kinematics/legs.hpp"
 #include "hydrapod/rig/rig.hpp"
-#include "hydrapod/simulation/linear_system.hpp"
+#include "hydrapod/simulation/closed_loop.hpp"
 #include "hydrapod/spatial/pose.hpp"
 
 namespace hydrapod::rig {
@@ -103,12 +103,16 @@ void judge_speeds(const Peaks& peaks, const control::ControllerParameters& param
     const auto speeds = control::full_drive_speeds(axis, axis.load);
     available[k] = std::min(speeds.extending, speeds.retracting);
   }
+  const bool electric = parameters.axes[0].full_speed > 0.0;
   if ((peaks.leg_rate - available).maxCoeff(&worst) > 0.0)
     findings.push_back(
         {base::Severity::warning,
-         fmt::format("this level needs {:.3g} m/s in leg {}, and the valve gives {:.3g} m/s at the "
-                     "supply's pressure: the drive will be at its limit",
-                     peaks.leg_rate[worst], worst + 1, available[worst])});
+         fmt::format("this level needs {:.3g} m/s in leg {}, and the {}: the drive will be at its "
+                     "limit",
+                     peaks.leg_rate[worst], worst + 1,
+                     electric ? fmt::format("motor gives {:.3g} m/s", available[worst])
+                              : fmt::format("valve gives {:.3g} m/s at the supply's pressure",
+                                            available[worst]))});
 }
 
 /// What the supply can push and pull at standstill, less the load at rest.
@@ -132,25 +136,42 @@ void judge_pressures(const Peaks& peaks, const control::ControllerParameters& pa
                      peaks.leg_force[worst] / 1e3, worst + 1, available[worst] / 1e3)});
 }
 
+/// What the motors' torques leave beside the load at rest and friction. `peaks` contains the
+/// rotors.
+void judge_torques(const Peaks& peaks, const model::Machine& machine,
+                   const control::ControllerParameters& parameters,
+                   std::vector<LevelFinding>& findings) {
+  Vector6 needed, available;
+  for (int k = 0; k < model::leg_count; ++k) {
+    const auto at = static_cast<std::size_t>(k);
+    const auto& screw = *machine.legs[at].screw;
+    needed[k] = peaks.leg_force[k] / screw.ratio();
+    available[k] = *screw.torque_limit - screw.friction_torque -
+                   std::abs(parameters.axes[at].load) / screw.ratio();
+  }
+  Eigen::Index worst = 0;
+  if ((needed - available).maxCoeff(&worst) > 0.0)
+    findings.push_back(
+        {base::Severity::warning,
+         fmt::format(
+             "this level needs {:.3g} N m of the motor of leg {} for rotor and platform, and "
+             "its limit leaves {:.3g} N m in addition to the load: the motion will not follow",
+             needed[worst], worst + 1, available[worst])});
+}
+
+/// Along the legs, of the rotors that turn with them [kg]; 0 without.
+Vector6 rotor_masses(const model::Machine& machine) {
+  Vector6 masses = Vector6::Zero();
+  for (int k = 0; k < model::leg_count; ++k)
+    if (const auto& screw = machine.legs[static_cast<std::size_t>(k)].screw)
+      masses[k] = screw->reflected_mass();
+  return masses;
+}
+
 /// What oscillates by itself is never seen at rest, and its modes are not what a record shows.
-void judge_stability(const simulation::ClosedLoop& loop, const RigOptions& options,
-                     std::vector<LevelFinding>& findings) {
-  const auto system =
-      simulation::linear_system(loop.plant().machine(), loop.operating(),
-                                {.kind = options.loop.kind, .controller = &loop.parameters()});
-  const auto poles = simulation::system_poles(system);
-  if (poles.sampled_stable) return;
-  const auto s = poles.sampled.front();
-  const double omega = std::abs(s);
-  findings.push_back(
-      {base::Severity::warning,
-       s.imag() > 0.0
-           ? fmt::format("the closed loop is unstable: it oscillates at {:.3g} Hz with {:.2g} % "
-                         "damping without excitation, and a record shows this oscillation; a "
-                         "smaller controller.bandwidth or another feedback may help",
-                         omega / (base::two_pi), -100.0 * s.real() / omega)
-           : std::string("the closed loop is unstable: the machine does not stay at its pose"),
-       true});
+void judge_stability(const simulation::ClosedLoop& loop, std::vector<LevelFinding>& findings) {
+  if (auto why = simulation::instability(loop); !why.empty())
+    findings.push_back({base::Severity::warning, std::move(why), true});
 }
 
 }  // namespace
@@ -158,7 +179,7 @@ void judge_stability(const simulation::ClosedLoop& loop, const RigOptions& optio
 std::vector<LevelFinding> check_levels(const simulation::ClosedLoop& loop,
                                        const RigOptions& options) {
   std::vector<LevelFinding> findings;
-  judge_stability(loop, options, findings);
+  judge_stability(loop, findings);
   if (options.entry == Entry::wrench) return findings;  // what it moves, the run shows
   const spatial::Pose& pose = loop.operating();
   const spatial::Matrix6 J = excitation_jacobian(loop.plant().machine(), pose);
@@ -173,11 +194,17 @@ std::vector<LevelFinding> check_levels(const simulation::ClosedLoop& loop,
                                       leg + 1, 100.0 * peaks.leg[leg])});
     return findings;
   }
-  const Peaks peaks =
-      peaks_of(options, sample_time, J, force_matrix(loop.plant().machine(), pose, J));
+  const auto& machine = loop.plant().machine();
+  const bool screws = model::leg_type(machine) == model::LegType::screw;
+  spatial::Matrix6 forces = force_matrix(machine, pose, J);
+  if (screws) forces += rotor_masses(machine).asDiagonal() * J;
+  const Peaks peaks = peaks_of(options, sample_time, J, forces);
   judge_strokes(peaks, J, room_left(loop.plant(), pose), findings);
   judge_speeds(peaks, loop.parameters(), findings);
-  judge_pressures(peaks, loop.parameters(), findings);
+  if (screws)
+    judge_torques(peaks, machine, loop.parameters(), findings);
+  else
+    judge_pressures(peaks, loop.parameters(), findings);
   return findings;
 }
 

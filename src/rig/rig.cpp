@@ -19,8 +19,7 @@ namespace {
 using numerics::Gaussian;
 using simulation::LoopSample;
 
-constexpr int excitations = 6, currents = 6, lengths = 6, pressures = 12;
-constexpr int before_accelerometers = excitations + currents + lengths + pressures;
+constexpr int excitations = 6, currents = 6, lengths = 6;
 constexpr std::uint64_t noise_streams = 1'000'000;  ///< apart from those of the excitation
 
 /// One channel between the plant and the record.
@@ -43,13 +42,16 @@ class Recorder {
  public:
   Recorder(const simulation::ClosedLoop& loop, const RigOptions& options,
            data::RecordWriter& writer)
-      : loop_(loop), options_(options), writer_(writer) {
+      : loop_(loop), options_(options), writer_(writer), drives_(loop.plant().layout().nuts >= 0) {
     const double fast = options.rate * options.oversampling;
     const Instruments& all = options.instruments;
     for (int i = 0; i < excitations; ++i) add({}, 0.0, {}, fast);
     for (int i = 0; i < currents; ++i) add(all.current, 0.0, {}, fast);
     for (int i = 0; i < lengths; ++i) add(all.length, 0.0, {}, fast);
-    for (int i = 0; i < pressures; ++i) add(all.pressure, 0.0, {}, fast);
+    for (int i = 0; i < model::leg_count; ++i)
+      for (const auto& sensor :
+           drives_ ? std::array{all.torque, all.speed} : std::array{all.pressure, all.pressure})
+        add(sensor, 0.0, {}, fast);
     for (const Accelerometer& one : all.accelerometers) {
       // without the filter, every sample of the record keeps the whole of it: noise of the density
       // over half of the record's rate
@@ -113,8 +115,8 @@ class Recorder {
     for (int i = 0; i < 6; ++i) values_[c++] = sample.applied[i];
     for (const auto& leg : sample.plant.legs) values_[c++] = leg.length;
     for (const auto& leg : sample.plant.legs) {
-      values_[c++] = leg.cap_pressure;
-      values_[c++] = leg.rod_pressure;
+      values_[c++] = drives_ ? leg.torque : leg.cap_pressure;
+      values_[c++] = drives_ ? leg.motor_speed : leg.rod_pressure;
     }
     for (const Accelerometer& one : options_.instruments.accelerometers)
       values_[c++] = specific_force(one, loop_.plant().machine(), loop_.operating(), sample.plant);
@@ -137,6 +139,7 @@ class Recorder {
   const simulation::ClosedLoop& loop_;
   const RigOptions& options_;
   data::RecordWriter& writer_;
+  bool drives_;  ///< electric ones
   std::vector<Chain> chains_{};
   std::vector<double> values_{};
   data::Samples block_{};
@@ -211,7 +214,7 @@ const signals::Units& units_of(Entry entry) {
   return entry == Entry::wrench ? signals::wrench_units : signals::displacement_units;
 }
 
-std::vector<data::Channel> rig_channels(const RigOptions& options) {
+std::vector<data::Channel> rig_channels(const RigOptions& options, model::LegType legs) {
   using data::Direction;
   using data::Role;
   std::vector<data::Channel> list;
@@ -220,16 +223,24 @@ std::vector<data::Channel> rig_channels(const RigOptions& options) {
                     units_of(options.entry)[static_cast<std::size_t>(i)],
                     static_cast<Direction>(i + 1), Role::excitation, 0});
   }
+  const bool drives = legs == model::LegType::screw;
+  const auto per_leg = [&](int leg, const std::string& name, const char* unit, Role role) {
+    list.push_back({name, unit, data::leg_direction(leg), role, leg});
+  };
   for (int leg = 1; leg <= 6; ++leg)
-    list.push_back(
-        {fmt::format("valve {} current", leg), "1", data::leg_direction(leg), Role::drive, leg});
+    per_leg(leg, drives ? fmt::format("motor {} drive", leg) : fmt::format("valve {} current", leg),
+            "1", Role::drive);
   for (int leg = 1; leg <= 6; ++leg)
-    list.push_back(
-        {fmt::format("leg {} length", leg), "m", data::leg_direction(leg), Role::response, leg});
-  for (int leg = 1; leg <= 6; ++leg)
+    per_leg(leg, fmt::format("leg {} length", leg), "m", Role::response);
+  for (int leg = 1; leg <= 6; ++leg) {
+    if (drives) {
+      per_leg(leg, fmt::format("motor {} torque", leg), "N m", Role::response);
+      per_leg(leg, fmt::format("motor {} speed", leg), "rad/s", Role::response);
+      continue;
+    }
     for (const char* side : {"cap", "rod"})
-      list.push_back({fmt::format("leg {} {} pressure", leg, side), "Pa", data::leg_direction(leg),
-                      Role::response, leg});
+      per_leg(leg, fmt::format("leg {} {} pressure", leg, side), "Pa", Role::response);
+  }
   for (const Accelerometer& one : options.instruments.accelerometers)
     list.push_back({one.name, "m/s^2", one.direction, Role::response, one.point});
   return list;

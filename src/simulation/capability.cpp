@@ -226,8 +226,7 @@ class Excursion {
       if (limits.platform && at.platform_tilt > *limits.platform)
         return Reach{.limit = Limit::platform_joint, .leg = i};
     }
-    if (kinematics::is_singular(machine_, X))
-      return Reach{.limit = Limit::singular};
+    if (kinematics::is_singular(machine_, X)) return Reach{.limit = Limit::singular};
     return {};
   }
 
@@ -313,9 +312,9 @@ const char* name(Ability ability) {
 }
 
 const char* name(Limit limit) {
-  constexpr std::array names{"push",       "pull",           "column",     "extending",
-                             "retracting", "pump",           "stroke_out", "stroke_in",
-                             "base_joint", "platform_joint", "singular",   "range"};
+  constexpr std::array names{"push",     "pull",       "column",    "extending",  "retracting",
+                             "pump",     "stroke_out", "stroke_in", "base_joint", "platform_joint",
+                             "singular", "range",      "torque",    "motor_speed"};
   static_assert(names.size() == limit_count);
   return names.at(static_cast<std::size_t>(limit));
 }
@@ -325,69 +324,156 @@ double open_valve_speed(const ServoAxis& axis, const model::Supply& supply, doub
   return OpenValve(axis, supply, force, extending ? 1.0 : -1.0).speed();
 }
 
-std::optional<Capability> capability(const model::Machine& machine, const Pose& X_BP,
-                                     dynamics::ModelKind kind, bool with_gain) {
-  const auto statics = dynamics::static_equilibrium(machine, X_BP, kind);
-  if (statics.status != dynamics::StaticsStatus::converged) return {};
-  Capability result;
+namespace {
+
+/// Force and speed of an electric cylinder at rest under `able.force`; false where its motor does
+/// not move it.
+bool set_screw(const model::Screw& screw, LegAbility& able, Range& forces, Range& speeds) {
+  const double turns = screw.ratio(), free = *screw.torque_limit - screw.friction_torque;
+  able.push = able.pull = turns * free;
+  if (std::abs(able.force) >= able.push) return false;
+  forces = {-able.pull - able.force, able.push - able.force, Limit::torque, Limit::torque};
+  // beside the load, viscous friction uses up the torque at a speed
+  const auto fastest = [&](double load, Limit& limit) {
+    const double left = free - load / turns, viscous = screw.viscous_friction;
+    const bool by_torque = viscous * *screw.speed_limit > left;
+    limit = by_torque ? Limit::torque : Limit::motor_speed;
+    return (by_torque ? left / viscous : *screw.speed_limit) / turns;
+  };
+  able.extending = fastest(able.force, speeds.at_high);
+  able.retracting = fastest(-able.force, speeds.at_low);
+  speeds.high = able.extending;
+  speeds.low = -able.retracting;
+  return true;
+}
+
+/// What the legs can do about rest.
+struct Abilities {
+  std::array<ServoAxis, leg_count> axes{};
+  std::array<Range, leg_count> forces{}, speeds{}, rates{};
+  std::array<Range, leg_count> columns{};  ///< of the rods' forces
+  Vector6 motors{Vector6::Zero()};         ///< along the legs, accelerated with the platform [kg]
+};
+
+/// The rod as a column under its load at rest; false where it buckles.
+bool set_column(const model::Leg& leg, double length, LegAbility& able, Range& column) {
+  able.column = dynamics::column_strength(leg, length);
+  column = {-infinite, able.column ? able.column->strength - able.force : infinite, Limit::column,
+            Limit::column};
+  return column.high >= 0.0;
+}
+
+/// None: a leg cannot hold its load.
+std::optional<Abilities> of_screws(const model::Machine& machine,
+                                   const kinematics::LegGeometries& geometry,
+                                   std::array<LegAbility, leg_count>& able) {
+  Abilities legs;
+  for (std::size_t i = 0; i < leg_count; ++i) {
+    const auto& leg = machine.legs[i];
+    const auto& screw = *leg.screw;
+    if (!screw.torque_limit || !screw.speed_limit) return {};
+    if (!set_column(leg, geometry[i].length, able[i], legs.columns[i]) ||
+        !set_screw(screw, able[i], legs.forces[i], legs.speeds[i]))
+      return {};
+    able[i].force_rate_out = able[i].force_rate_in = infinite;
+    legs.rates[i] = {-infinite, infinite, Limit::torque, Limit::torque};
+    legs.axes[i].stops = hydraulics::mechanical_stops(leg);
+    legs.motors[static_cast<Eigen::Index>(i)] = screw.reflected_mass();
+  }
+  return legs;
+}
+
+std::optional<Abilities> of_cylinders(const model::Machine& machine,
+                                      const kinematics::LegGeometries& geometry,
+                                      std::array<LegAbility, leg_count>& abilities,
+                                      std::array<hydraulics::HydraulicRest, leg_count>& rests) {
   const auto& supply = machine.hydraulics.supply;
-  const auto geometry = kinematics::inverse_kinematics(machine, X_BP);
-  std::array<ServoAxis, leg_count> axes;
-  std::array<hydraulics::HydraulicRest, leg_count> rests;
-  std::array<Range, leg_count> forces, speeds, rates;
-  for (int i = 0; i < leg_count; ++i) {
-    const auto at = static_cast<std::size_t>(i);
-    const auto& leg = machine.legs[at];
-    auto& able = result.legs[at];
-    auto& axis = axes[at] = hydraulics::servo_axis(machine, i);
-    able.force = 0.0 - statics.legs[at].oil_force;
+  Abilities legs;
+  for (std::size_t i = 0; i < leg_count; ++i) {
+    const auto& leg = machine.legs[i];
+    auto& able = abilities[i];
+    auto& axis = legs.axes[i] = hydraulics::servo_axis(machine, static_cast<int>(i));
     able.push = axis.force(supply.pressure, supply.return_pressure);
     able.pull = -axis.force(supply.return_pressure, supply.pressure);
-    able.column = dynamics::column_strength(leg, geometry[at].length);
-    rests[at] = hydraulics::hydraulic_rest(axis, supply, able.force);
-    if (!rests[at].found || (able.column && able.force > able.column->strength)) return {};
+    rests[i] = hydraulics::hydraulic_rest(axis, supply, able.force);
+    if (!rests[i].found || !set_column(leg, geometry[i].length, able, legs.columns[i])) return {};
     able.extending = open_valve_speed(axis, supply, able.force, true);
     able.retracting = -open_valve_speed(axis, supply, able.force, false);
-    const double piston = geometry[at].length - leg.rod.length;
-    able.force_rate_out = force_rate(leg, axis, supply, rests[at], piston, 1.0);
-    able.force_rate_in = -force_rate(leg, axis, supply, rests[at], piston, -1.0);
-    const bool buckles = able.column && able.column->strength < able.push;
-    forces[at] = {-able.pull - able.force,
-                  (buckles ? able.column->strength : able.push) - able.force, Limit::pull,
-                  buckles ? Limit::column : Limit::push};
-    speeds[at] = {-able.retracting, able.extending, Limit::retracting, Limit::extending};
-    rates[at] = {-able.force_rate_in, able.force_rate_out, Limit::retracting, Limit::extending};
+    const double piston = geometry[i].length - leg.rod.length;
+    able.force_rate_out = force_rate(leg, axis, supply, rests[i], piston, 1.0);
+    able.force_rate_in = -force_rate(leg, axis, supply, rests[i], piston, -1.0);
+    legs.forces[i] = {-able.pull - able.force, able.push - able.force, Limit::pull, Limit::push};
+    legs.speeds[i] = {-able.retracting, able.extending, Limit::retracting, Limit::extending};
+    legs.rates[i] = {-able.force_rate_in, able.force_rate_out, Limit::retracting, Limit::extending};
   }
+  return legs;
+}
 
+/// Of the platform on such legs. Motors accelerate themselves as well: M + Jᵀ m_r J; their rods do
+/// not feel it. `pump`: null
+/// where none feeds the legs.
+void set_reach(const model::Machine& machine, const Pose& X_BP,
+               const kinematics::LegGeometries& geometry, const Abilities& legs,
+               const PumpFlow* pump, Capability& result) {
   model::Machine held = machine;
   held.base_mount.reset();
   held.payload_modes.clear();
   const auto rigid = dynamics::linear_model(held, X_BP, dynamics::ModelKind::rigid);
   const Matrix6 J = kinematics::leg_jacobian(geometry, kinematics::mass_center(machine, X_BP));
   const Matrix6 per_force = J.transpose().inverse();
-  const Matrix6 per_acceleration = per_force * Matrix6(rigid.M);
-  const Excursion excursion(machine, axes, X_BP);
-  const PumpFlow pump(supply, axes, rests);
+  const Matrix6 rods = per_force * Matrix6(rigid.M);  // forces per acceleration
+  const Matrix6 per_acceleration = rods + legs.motors.asDiagonal() * J;
+  const auto least = [](const Reach& a, const Reach& b) { return b.value < a.value ? b : a; };
+  const bool jerks = std::isfinite(legs.rates[0].high);
+  const Excursion excursion(machine, legs.axes, X_BP);
   auto& [force, velocity, acceleration, jerk, way] = result.reach;
   for (int d = 0; d < 6; ++d)
     for (int sign = 0; sign < 2; ++sign) {
       const auto i = static_cast<std::size_t>(d), s = static_cast<std::size_t>(sign);
-      force[i][s] = reach_within(per_force.col(d), forces, sign);
-      velocity[i][s] = reach_within(J.col(d), speeds, sign);
-      if (const double fed = pump.share((sign == 0 ? 1.0 : -1.0) * J.col(d));
-          fed < velocity[i][s].value)
-        velocity[i][s] = {fed, Limit::pump};
-      acceleration[i][s] = reach_within(per_acceleration.col(d), forces, sign);
-      jerk[i][s] = reach_within(per_acceleration.col(d), rates, sign);
+      force[i][s] = least(reach_within(per_force.col(d), legs.forces, sign),
+                          reach_within(per_force.col(d), legs.columns, sign));
+      velocity[i][s] = reach_within(J.col(d), legs.speeds, sign);
+      const double fed =
+          pump != nullptr ? pump->share((sign == 0 ? 1.0 : -1.0) * J.col(d)) : infinite;
+      if (fed < velocity[i][s].value) velocity[i][s] = {fed, Limit::pump};
+      acceleration[i][s] = least(reach_within(per_acceleration.col(d), legs.forces, sign),
+                                 reach_within(rods.col(d), legs.columns, sign));
+      jerk[i][s] = jerks ? reach_within(per_acceleration.col(d), legs.rates, sign)
+                         : Reach{.value = infinite, .limit = Limit::torque};
       way[i][s] = excursion.find(d, sign);
     }
-  result.combined = {combined_share(per_force, forces, force), combined_share(J, speeds, velocity),
-                     combined_share(per_acceleration, forces, acceleration),
-                     combined_share(per_acceleration, rates, jerk)};
+  result.combined = {std::min(combined_share(per_force, legs.forces, force),
+                              combined_share(per_force, legs.columns, force)),
+                     combined_share(J, legs.speeds, velocity),
+                     std::min(combined_share(per_acceleration, legs.forces, acceleration),
+                              combined_share(rods, legs.columns, acceleration)),
+                     jerks ? combined_share(per_acceleration, legs.rates, jerk) : 1.0};
+  if (pump == nullptr) return;
   for_all_signs(velocity, [&](const Vector6& motion) {
-    result.combined[1] = std::min(result.combined[1], pump.share(J * motion));
+    result.combined[1] = std::min(result.combined[1], pump->share(J * motion));
   });
-  if (with_gain) result.gain_limit = gain_limit(machine, X_BP, kind);
+}
+
+}  // namespace
+
+std::optional<Capability> capability(const model::Machine& machine, const Pose& X_BP,
+                                     dynamics::ModelKind kind, bool with_gain) {
+  const bool screws = model::leg_type(machine) == model::LegType::screw;
+  if (!screws) hydraulics::require_hydraulics(machine);
+  const auto statics = dynamics::static_equilibrium(machine, X_BP, kind);
+  if (statics.status != dynamics::StaticsStatus::converged) return {};
+  Capability result;
+  for (std::size_t i = 0; i < leg_count; ++i)
+    result.legs[i].force = 0.0 - statics.legs[i].oil_force;
+  const auto geometry = kinematics::inverse_kinematics(machine, X_BP);
+  std::array<hydraulics::HydraulicRest, leg_count> rests{};
+  const auto legs = screws ? of_screws(machine, geometry, result.legs)
+                           : of_cylinders(machine, geometry, result.legs, rests);
+  if (!legs) return {};
+  std::optional<PumpFlow> pump;
+  if (!screws) pump.emplace(machine.hydraulics.supply, legs->axes, rests);
+  set_reach(machine, X_BP, geometry, *legs, pump ? &*pump : nullptr, result);
+  if (with_gain && !screws) result.gain_limit = gain_limit(machine, X_BP, kind);
   return result;
 }
 

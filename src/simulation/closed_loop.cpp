@@ -50,6 +50,25 @@ LoopOptions with_its_plant(LoopOptions options) {
   return options;
 }
 
+/// Of legs without valves, held by their springs: there is nothing to control. Its drives are zero.
+Tuning without_controller(const model::Machine& machine) {
+  control::ControllerParameters p{.velocity_feedforward = 0.0,
+                                  .sample_time = machine.controller.sample_time,
+                                  .delay = machine.controller.delay,
+                                  .compensation = model::Compensation::none,
+                                  .output = machine.controller.output};
+  p.axes.fill(
+      {.piston_area = 1.0, .annulus_area = 1.0, .flow_coefficient = 1.0, .supply_pressure = 1.0});
+  return {.parameters = p};
+}
+
+Tuning tuned(const model::Machine& machine, const Pose& pose, const LoopOptions& options) {
+  const bool springs = options.actuators == Actuators::springs;
+  return springs && model::leg_type(machine) != model::LegType::cylinder
+             ? without_controller(machine)
+             : tune_controller(machine, pose);
+}
+
 }  // namespace
 
 struct ClosedLoop::Implementation {
@@ -57,7 +76,7 @@ struct ClosedLoop::Implementation {
       : options(with_its_plant(given)),
         operating(pose),
         plant(machine, given.kind, options.plant, pose),
-        tuning(tune_controller(machine, pose)),
+        tuning(tuned(machine, pose, options)),
         rest(plant.equilibrium(pose)),
         start(given.initial.isZero()
                   ? rest.x

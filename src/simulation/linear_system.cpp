@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <unsupported/Eigen/MatrixFunctions>
 
+#include "origin_from_center.hpp"
+
 namespace hydrapod::simulation {
 
 namespace {
@@ -46,6 +48,7 @@ ScalarSystem pade_delay(double tau, int order) {
 
 /// Rows of the plant's linear outputs, by what the sensors see.
 struct OutputRows {
+  /// In place of pressures electric drives have torque and speed of the motors.
   static constexpr int pose = 0, length = 6, pressures = 18, acceleration = 30;
 };
 
@@ -54,7 +57,8 @@ MatrixXd measurements(const LinearPlant& plant, const model::Machine& machine, c
                       bool accelerations) {
   MatrixXd C = MatrixXd::Zero(24, plant.A.cols());
   C.middleRows(ControllerInputs::length, 6) = plant.C.middleRows(OutputRows::length, 6);
-  for (int i = 0; i < 6; ++i) {
+  const bool pressures = model::leg_type(machine) == model::LegType::cylinder;
+  for (int i = 0; i < 6 && pressures; ++i) {
     C.row(ControllerInputs::cap_pressure + i) = plant.C.row(OutputRows::pressures + 2 * i);
     C.row(ControllerInputs::rod_pressure + i) = plant.C.row(OutputRows::pressures + 2 * i + 1);
   }
@@ -65,14 +69,6 @@ MatrixXd measurements(const LinearPlant& plant, const model::Machine& machine, c
         J * plant.C.middleRows(OutputRows::acceleration, 6);
   }
   return C;
-}
-
-/// Displacement of P's origin from that of C, both with the rotation: 6 × 6.
-spatial::Matrix6 origin_from_center(const model::Machine& machine, const Pose& X_BP) {
-  spatial::Matrix6 T = spatial::Matrix6::Identity();
-  const Vector3 arm = X_BP.p_BP - kinematics::mass_center(machine, X_BP);
-  T.topRightCorner<3, 3>() = -spatial::skew(arm);
-  return T;
 }
 
 std::vector<StatePart> plant_parts(const StateLayout& layout, int flexible) {
@@ -88,7 +84,9 @@ std::vector<StatePart> plant_parts(const StateLayout& layout, int flexible) {
   };
   mechanics(0);
   mechanics(layout.positions - shift);
-  for (int i = 0; i < 12; ++i) {
+  for (int i = 0; layout.nuts >= 0 && i < 3 * model::leg_count; ++i)
+    parts[static_cast<size_t>(layout.nuts - shift + i)] = {Part::motor, i / 3};
+  for (int i = 0; layout.pressures >= 0 && i < 12; ++i) {
     parts[static_cast<size_t>(layout.pressures - shift + i)] = {Part::oil, i / 2};
     parts[static_cast<size_t>(layout.spools - shift + i)] = {Part::valve, i / 2};
   }
@@ -240,10 +238,10 @@ void close_sampled(const Pieces& p, LinearSystem& system) {
 }  // namespace
 
 const char* name(Part part) {
-  constexpr const char* names[part_count]{"platform x",  "platform y",  "platform z", "platform rx",
-                                          "platform ry", "platform rz", "seals",      "oil",
-                                          "valves",      "supply",      "friction",   "controller",
-                                          "delay",       "base",        "payload",    "lines"};
+  constexpr const char* names[part_count]{
+      "platform x", "platform y", "platform z", "platform rx", "platform ry", "platform rz",
+      "seals",      "oil",        "valves",     "supply",      "friction",    "controller",
+      "delay",      "base",       "payload",    "lines",       "motors"};
   return names[static_cast<int>(part)];
 }
 
@@ -268,8 +266,8 @@ LinearSystem linear_system(const model::Machine& machine, const Pose& X_BP,
   } else {
     const auto p = options.controller != nullptr ? *options.controller
                                                  : tune_controller(machine, X_BP).parameters;
-    Vector6 loads;
-    for (int i = 0; i < 6; ++i)
+    Vector6 loads = Vector6::Zero();  // electric drives are not corrected for them
+    for (int i = 0; plant.layout().pressures >= 0 && i < 6; ++i)
       loads[i] = rest.x[plant.layout().cap(i)] * p.axes[static_cast<size_t>(i)].piston_area -
                  rest.x[plant.layout().rod(i)] * p.axes[static_cast<size_t>(i)].annulus_area;
     pieces.controller = control::linear_controller(machine, p, X_BP, rest.input.command, loads);

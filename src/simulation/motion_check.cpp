@@ -111,12 +111,13 @@ class MotionCheck {
     };
     joint(leg.base, "base");
     joint(leg.platform, "platform");
+    const bool drives = plant_.layout().nuts >= 0;
     const auto speed = [&](const Worst& worst, const char* verb) {
       if (worst.excess <= 0.0) return;
       add(base::Severity::warning,
-          fmt::format("leg {} must {} at {:.3g} m/s at {:.4g} s, its valve gives {:.3g} m/s under "
-                      "the load at rest",
-                      i + 1, verb, worst.value, worst.time, worst.value - worst.excess));
+          fmt::format("leg {} must {} at {:.3g} m/s at {:.4g} s, its {} gives {:.3g} m/s{}", i + 1,
+                      verb, worst.value, worst.time, drives ? "motor" : "valve",
+                      worst.value - worst.excess, drives ? "" : " under the load at rest"));
     };
     speed(leg.extending, "extend");
     speed(leg.retracting, "retract");

@@ -34,6 +34,10 @@ StateLayout make_layout(const dynamics::NonlinearModel& mechanics, const PlantOp
     layout.size += count;
   };
   if (!options.hydraulics) return layout;
+  if (model::leg_type(mechanics.machine()) == model::LegType::screw) {
+    append(layout.nuts, 3 * leg_count);
+    return layout;
+  }
   append(layout.pressures, 2 * leg_count);
   append(layout.spools, 2 * leg_count);
   if (hydraulics::is_dynamic(mechanics.machine().hydraulics.supply)) append(layout.supply, 1);
@@ -83,8 +87,14 @@ Plant::Plant(const model::Machine& machine, ModelKind kind, const PlantOptions& 
                      kind, X_reference),
                  kind, X_reference),
       options_(options) {
+  const auto type = model::leg_type(machine);
+  const bool oil = type == model::LegType::cylinder ||
+                   (options.hydraulics && type != model::LegType::screw);  // struts are refused
   for (int i = 0; i < leg_count; ++i) {
-    axes_[i] = hydraulics::servo_axis(machine, i);
+    if (oil)
+      axes_[i] = hydraulics::servo_axis(machine, i);
+    else
+      axes_[i].stops = hydraulics::mechanical_stops(machine.legs[i]);
     reduce_friction(options.friction, axes_[i].friction);
   }
   layout_ = make_layout(mechanics_, options, axes_);
@@ -95,6 +105,7 @@ Plant::Plant(const model::Machine& machine, ModelKind kind, const PlantOptions& 
     bend_arms(mechanics_, X_reference, sleeve_arms_);
   set_gimbals(X_reference);
   if (!options.hydraulics) set_springs(X_reference);
+  if (layout_.nuts >= 0) set_drives();
   set_oil_constants();
 }
 
@@ -138,7 +149,9 @@ bool Plant::evaluate(const double* x, const PlantInput& input, double* rate, Wor
   if (!work.motion.exists()) return false;
   mechanics_.rates(x, v, rate);
   dynamics::Loads loads{.wrench = input.wrench};
-  if (options_.hydraulics) {
+  if (layout_.nuts >= 0) {
+    drives_side(x, input, rate, loads.axial, work);
+  } else if (options_.hydraulics) {
     oil_side(x, input, rate, loads.axial, work);
     supply_side(x, rate, work);
   } else {
@@ -181,7 +194,7 @@ PlantOutput Plant::outputs(const double* x, const PlantInput& input) const {
   out.ground_acceleration =
       out.acceleration + dynamics::carried(work.base_acceleration, work.motion.p_BC);
   for (int i = 0; i < leg_count; ++i)
-    out.legs[i] = options_.hydraulics ? oil_output(i, work) : work.legs[i];
+    out.legs[i] = layout_.pressures >= 0 ? oil_output(i, work) : work.legs[i];
   out.supply_pressure = work.supply_pressure;
   out.pump_flow = work.pump_flow;
   out.supply_flow = work.supply_flow;
@@ -191,6 +204,7 @@ PlantOutput Plant::outputs(const double* x, const PlantInput& input) const {
   base_outputs(x, work, out);
   arms_outputs(x, work, out);
   lines_outputs(x, out);
+  if (layout_.nuts >= 0) drives_outputs(x, work, out);
   for (int i = 0; i < leg_count; ++i) {
     const auto& motion = work.motion.legs[i];
     auto& leg = out.legs[i];
@@ -199,6 +213,7 @@ PlantOutput Plant::outputs(const double* x, const PlantInput& input) const {
     leg.flexible = motion.flexible;
     leg.sleeve_offset = motion.sleeve_offset;
     out.dissipation -= leg.friction_force * motion.s_rate;
+    if (layout_.nuts >= 0) continue;
     if (options_.hydraulics) {
       out.gimbal_energy += 0.5 * gimbals_[i].compliance * leg.oil_force * leg.oil_force;
       continue;
@@ -206,8 +221,9 @@ PlantOutput Plant::outputs(const double* x, const PlantInput& input) const {
     const double stretch = motion.s - springs_[i].s;
     out.oil_spring_energy += (springs_[i].force + 0.5 * springs_[i].stiffness * stretch) * stretch;
   }
-  out.dissipation += 2.0 * machine_.damping.rayleigh_mass *
-                     (out.energies.platform + out.energies.legs + out.base.kinetic_energy);
+  out.dissipation +=
+      2.0 * machine_.damping.rayleigh_mass *
+      (out.energies.platform + out.energies.legs + out.base.kinetic_energy + out.motor_energy);
   return out;
 }
 
@@ -234,7 +250,7 @@ void Plant::events(const double* x, double* values) const {
     const double p_c = machine_.hydraulics.cavitation_pressure;
     of_leg[2] = layout_.pressures < 0 ? 1.0 : x[layout_.cap(i)] - p_c;
     of_leg[3] = layout_.pressures < 0 ? 1.0 : x[layout_.rod(i)] - p_c;
-    of_leg[4] = machine_.legs[i].guide_sleeve.position - leg.s;
+    of_leg[4] = machine_.legs[i].strut ? 1.0 : machine_.legs[i].guide_sleeve.position - leg.s;
   }
 }
 

@@ -32,7 +32,8 @@ constexpr Kind length{"m", 1e-2, 3e-4}, turn{"1", 1e-2, 3e-4}, tilt{"rad", 1e-2,
     line_flow{"m^3/s", 1e-3, 1e-6}, spool{"1", 0.1, 3e-5}, spool_rate{"1/s", 10.0, 1e-2},
     bristle{"m", 1e-5, 1e-8}, base_shift{"m", 1e-2, 1e-5}, base_turn{"rad", 1e-2, 1e-5},
     base_shifting{"m/s", 0.1, 1e-4}, base_turning{"rad/s", 0.1, 1e-4}, arm{"m", 1e-4, 1e-6},  //
-    swing{"m", 0.1, 3e-3}, swinging{"m/s", 1.0, 1e-4};
+    swing{"m", 0.1, 3e-3}, swinging{"m/s", 1.0, 1e-4}, nut{"m", 1e-2, 1e-5},
+    nut_rate{"m/s", 0.1, 1e-5}, torque{"N m", 10.0, 1e-3};
 
 struct Described {
   std::string name;
@@ -106,6 +107,11 @@ std::vector<Described> described(const StateLayout& layout,
   if (layout.pressures >= 0) {
     per_leg("p_cap", pressure, "p_rod", pressure);
     per_leg("spool", spool, "spool_rate", spool_rate);
+  }
+  for (int leg = 1; layout.nuts >= 0 && leg <= leg_count; ++leg) {
+    all.push_back({fmt::format("leg{}.nut", leg), nut});
+    all.push_back({fmt::format("leg{}.nut_rate", leg), nut_rate});
+    all.push_back({fmt::format("leg{}.torque_integral", leg), torque});
   }
   if (layout.supply >= 0) all.push_back({"p_supply", pressure});
   if (layout.bristles >= 0) per_leg("bristle", bristle, nullptr, bristle);
@@ -193,10 +199,12 @@ std::vector<std::string> Plant::linear_output_names() const {
   };
   per_leg("l");
   per_leg("l_rate");
-  if (options_.hydraulics)
+  const auto two_per_leg = [&](const char* first, const char* second) {
     for (int leg = 1; leg <= leg_count; ++leg)
-      for (const char* name : {"p_cap", "p_rod"})
-        names.push_back(fmt::format("leg{}.{}", leg, name));
+      for (const char* name : {first, second}) names.push_back(fmt::format("leg{}.{}", leg, name));
+  };
+  if (layout_.pressures >= 0) two_per_leg("p_cap", "p_rod");
+  if (layout_.nuts >= 0) two_per_leg("torque", "motor_speed");
   for (const char* name : {"ax", "ay", "az", "arx", "ary", "arz"}) names.emplace_back(name);
   return names;
 }
@@ -224,19 +232,24 @@ VectorXd Plant::tangent_rates(const VectorXd& x, const VectorXd& x_0,
     throw base::ComputationError("linearisation: a leg does not close near this state");
   const VectorXd& v = x;
   const int n = layout_.tangent(), first_v = layout_.velocity();
-  const int pressures = options_.hydraulics ? 2 * leg_count : 0;
-  VectorXd out(n + 24 + pressures);
+  const int of_actuators = options_.hydraulics ? 2 * leg_count : 0;
+  VectorXd out(n + 24 + of_actuators);
   out.head<3>() = rate.head<3>();
   out.segment<3>(3) = v.segment<3>(first_v + 3);
   out.segment(6, n - 6) = rate.tail(n - 6);
-  auto y = out.tail(24 + pressures);
+  auto y = out.tail(24 + of_actuators);
   y.head<3>() = x.head<3>() - x_0.head<3>();
   y.segment<3>(3) = rotation_vector(orientation(x_0.data()), orientation(x.data()));
   for (int i = 0; i < leg_count; ++i) {
     y[6 + i] = work.motion.legs[i].length;
     y[12 + i] = work.motion.legs[i].length_rate;
   }
-  if (pressures > 0) y.segment(18, pressures) = x.segment(layout_.pressures, pressures);
+  if (layout_.pressures >= 0)
+    y.segment(18, of_actuators) = x.segment(layout_.pressures, of_actuators);
+  for (int i = 0; layout_.nuts >= 0 && i < leg_count; ++i) {
+    y[18 + 2 * i] = work.legs[i].torque;
+    y[19 + 2 * i] = work.legs[i].motor_speed;
+  }
   y.tail<6>() =
       rate.segment<6>(first_v) + dynamics::carried(work.base_acceleration, work.motion.p_BC);
   return out;

@@ -17,7 +17,7 @@ void Plant::for_lines(const Each& each) const {
 
 /// After pressures, spools, supply and bristles in the state.
 void Plant::set_lines() {
-  if (!options_.hydraulics) return;
+  if (layout_.pressures < 0) return;
   for (size_t i = 0; i < leg_count; ++i) {
     lines_[i] = hydraulics::segmented_lines(machine_, static_cast<int>(i));
     hydraulics::take_out_lines(lines_[i], axes_[i]);

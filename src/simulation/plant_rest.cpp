@@ -12,6 +12,8 @@ namespace {
 
 using model::leg_count;
 
+constexpr double litres_per_minute = 6e4;  // in a m³/s
+
 void require_statics(const dynamics::StaticEquilibrium& statics) {
   if (statics.status == dynamics::StaticsStatus::converged) return;
   throw base::ComputationError(
@@ -96,6 +98,10 @@ Plant::Rest Plant::equilibrium(const Pose& X_BP) const {
   }
   const auto now = motion(rest.x.data());
   for (int i = 0; i < leg_count; ++i) require_stroke(i, now.legs[i].s, axes_[i].stops);
+  if (layout_.nuts >= 0) {
+    hold_by_drives(statics, now, rest);
+    return rest;
+  }
 
   const auto& given = machine_.hydraulics.supply;
   auto supply = given;
@@ -110,9 +116,9 @@ Plant::Rest Plant::equilibrium(const Pose& X_BP) const {
   }
   if (drawn >= *given.pump_flow)
     throw base::ComputationError(fmt::format(
-        "the pump gives {:.4g} m^3/s and the valves leak {:.4g} m^3/s at rest; expected "
+        "the pump gives {:.4g} l/min and the valves leak {:.4g} l/min at rest; expected "
         "a larger `supply.pump_flow` or less leakage",
-        *given.pump_flow, drawn));
+        litres_per_minute * *given.pump_flow, litres_per_minute * drawn));
   rest.x[layout_.supply] = supply.pressure;
   return rest;
 }

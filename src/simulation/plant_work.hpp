@@ -51,7 +51,7 @@ struct Plant::Work {
   dynamics::Motion motion;  ///< braces would set its legs, 6 kB, to zero
   OilState oil_state;
   OilRates oil;
-  std::array<LegOutput, model::leg_count> legs{};  ///< without hydraulics
+  std::array<LegOutput, model::leg_count> legs{};  ///< without oil
   Vector6 base_acceleration{Vector6::Zero()};
   double supply_pressure{}, pump_flow{}, supply_flow{}, return_flow{};
 };

@@ -25,6 +25,7 @@ void RunAccounts::see(const Eigen::VectorXd& x, const Vector6& applied, const Ve
   for (int i = 0; i < 6; ++i)
     if (std::abs(error[i]) > settling_band_[i]) summary.settled[i] = time;
   const Vector6 lengths = plant_.leg_lengths(x.data());
+  const Vector6 torques = plant_.motor_torques(x.data(), applied);
   for (size_t i = 0; i < model::leg_count; ++i) {
     const int leg = static_cast<int>(i);
     const double piston = lengths[leg] - plant_.machine().legs[i].rod.length;
@@ -35,6 +36,10 @@ void RunAccounts::see(const Eigen::VectorXd& x, const Vector6& applied, const Ve
           std::max(summary.peak_speed[i], std::abs(lengths[leg] - lengths_[leg]) / T);
     summary.peak_drive[i] = std::max(summary.peak_drive[i], std::abs(applied[leg]));
     summary.limited[i] += controller.limited[i] ? 1 : 0;
+    if (plant_.layout().nuts < 0) continue;
+    const double torque = std::abs(torques[leg]);
+    summary.peak_torque[i] = std::max(summary.peak_torque[i], torque);
+    summary.torque_limited[i] += torque >= *plant_.machine().legs[i].screw->torque_limit ? 1 : 0;
   }
   lengths_ = lengths;
   summary.time = time;

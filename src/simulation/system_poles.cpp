@@ -52,8 +52,8 @@ SystemPole described(Complex pole, int group, const Eigen::VectorXd& shares,
     const double share = shares[static_cast<Eigen::Index>(k)] / sum;
     found.parts[static_cast<size_t>(parts[k].part)] += share;
     const auto part = parts[k].part;
-    const bool of_leg =
-        part == Part::seal || part == Part::oil || part == Part::line || part == Part::valve;
+    const bool of_leg = part == Part::seal || part == Part::oil || part == Part::line ||
+                        part == Part::valve || part == Part::motor;
     if (of_leg && parts[k].leg >= 0) found.legs[static_cast<size_t>(parts[k].leg)] += share;
   }
   return found;

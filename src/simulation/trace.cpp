@@ -38,12 +38,13 @@ bool is_controlled(const ClosedLoop& loop) {
   return loop.options().actuators == Actuators::controlled;
 }
 bool has_oil(const ClosedLoop& loop) { return loop.plant().layout().pressures >= 0; }
+bool has_drives(const ClosedLoop& loop) { return loop.plant().layout().nuts >= 0; }
 bool has_supply(const ClosedLoop& loop) { return loop.plant().layout().supply >= 0; }
 
 }  // namespace
 
 TraceRecorder::TraceRecorder(const ClosedLoop& loop, double until, std::size_t most)
-    : operating_(loop.operating()) {
+    : operating_(loop.operating()), drives_(has_drives(loop)) {
   const double samples = until / loop.output_interval();
   stride_ = std::max(1L, static_cast<long>(std::ceil(samples / static_cast<double>(most))));
 }
@@ -53,17 +54,26 @@ void TraceRecorder::operator()(const LoopSample& sample) {
   trace_.time.push_back(sample.time);
   trace_.command.push_back(sample.excitation.command.value);
   trace_.motion.push_back(displacement_between(operating_, sample.plant.X_BP));
-  Vector6 piston, cap, rod;
+  Vector6 piston, cap, rod, nut, speed, torque;
   for (int i = 0; i < model::leg_count; ++i) {
     const auto& leg = sample.plant.legs[static_cast<size_t>(i)];
     piston[i] = leg.piston;
     cap[i] = leg.cap_pressure;
     rod[i] = leg.rod_pressure;
+    nut[i] = leg.nut;
+    speed[i] = leg.motor_speed;
+    torque[i] = leg.torque;
   }
   trace_.piston.push_back(piston);
+  trace_.drive.push_back(sample.applied);
+  if (drives_) {
+    trace_.nut.push_back(nut);
+    trace_.motor_speed.push_back(speed);
+    trace_.torque.push_back(torque);
+    return;
+  }
   trace_.cap_pressure.push_back(cap);
   trace_.rod_pressure.push_back(rod);
-  trace_.drive.push_back(sample.applied);
 }
 
 std::vector<Channel> record_channels(const ClosedLoop& loop) {
@@ -90,7 +100,15 @@ std::vector<Channel> record_channels(const ClosedLoop& loop) {
       add("p_cap", "Pa", Role::response);
       add("p_rod", "Pa", Role::response);
     }
-    add("oil_force", "N", Role::response);
+    if (has_drives(loop)) {
+      add("drive", "1", Role::drive);
+      add("nut", "m", Role::response);
+      add("motor_speed", "rad/s", Role::response);
+      add("torque", "N m", Role::response);
+    }
+    constexpr std::array forces{"oil_force", "strut_force", "screw_force"};
+    add(forces.at(static_cast<std::size_t>(model::leg_type(loop.plant().machine()))), "N",
+        Role::response);
     if (has_seals(loop)) {
       add("sleeve_offset_t", "m", Role::response);
       add("sleeve_offset_2", "m", Role::response);
@@ -119,6 +137,9 @@ void record_row(const ClosedLoop& loop, const LoopSample& sample, double* row) {
     *row++ = sample.measured.length[i];
     if (has_oil(loop))
       for (const double value : {sample.applied[i], leg.spool, leg.cap_pressure, leg.rod_pressure})
+        *row++ = value;
+    if (has_drives(loop))
+      for (const double value : {sample.applied[i], leg.nut, leg.motor_speed, leg.torque})
         *row++ = value;
     *row++ = leg.oil_force;
     if (!has_seals(loop)) continue;

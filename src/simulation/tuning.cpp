@@ -8,6 +8,7 @@
 #include <numeric>
 #include <vector>
 
+#include "drives.hpp"
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/dynamics/linear_model.hpp"
 #include "hydrapod/hydraulics/servo_axis.hpp"
@@ -61,6 +62,10 @@ OilModes oil_modes(const dynamics::LinearModel& model) {
 }
 
 control::DriveAxis drive_axis(const model::Machine& machine, int leg, double oil_force) {
+  if (const auto& of = machine.legs[static_cast<std::size_t>(leg)]; of.screw) {
+    const auto drive = drive_of(of);
+    return {.load = -oil_force, .full_speed = drive.speed_limit / drive.ratio};
+  }
   const auto axis = hydraulics::servo_axis(machine, leg);
   const auto& supply = machine.hydraulics.supply;
   return {.piston_area = axis.area.piston,
@@ -85,9 +90,10 @@ double smallest_above_zero(const Vector6& gains) {
 Tuning tune_controller(const model::Machine& machine, const spatial::Pose& X_BP) {
   const auto linear = dynamics::linear_model(machine, X_BP, dynamics::ModelKind::rigid);
   const auto& settings = machine.controller;
+  const bool screws = model::leg_type(machine) == model::LegType::screw;
   const auto modes = oil_modes(linear);
   const double omega = modes.lowest;
-  const bool pressure = settings.feedback == model::DampingFeedback::pressure;
+  const bool pressure = settings.feedback == model::DampingFeedback::pressure && !screws;
   const double bandwidth = settings.bandwidth.value_or(
       omega * (pressure ? model::ControlSettings::default_bandwidth_share
                         : model::ControlSettings::default_bandwidth_share_undamped));
@@ -98,11 +104,14 @@ Tuning tune_controller(const model::Machine& machine, const spatial::Pose& X_BP)
   p.integral_time =
       settings.integral_time.value_or(smallest > 0.0 ? integral_ratio / smallest : 0.0);
   p.velocity_feedforward = settings.velocity_feedforward;
-  p.feedback = settings.feedback;
+  // an electric cylinder has no pressures: its speed loop damps, and holds the speed at any load
+  p.feedback = pressure || settings.feedback == model::DampingFeedback::acceleration
+                   ? settings.feedback
+                   : model::DampingFeedback::none;
   p.feedback_corner = settings.feedback_corner.value_or(corner_share * omega);
   p.sample_time = settings.sample_time;
   p.delay = settings.delay;
-  p.compensation = settings.compensation;
+  p.compensation = screws ? model::Compensation::none : settings.compensation;
   p.overlap_compensation = settings.overlap_compensation;
   p.output = settings.output;
   for (int i = 0; i < model::leg_count; ++i) {

@@ -22,8 +22,8 @@ void put(const Vector3& v, double (&numbers)[3]) { std::copy_n(v.data(), 3, numb
 /// hydraulics::oil_stiffness() as a function of the piston's position.
 void put_oil(const model::Leg& leg, LegNumbers<double>& numbers) {
   numbers.gimbal_compliance = leg.gimbal_stiffness ? 1.0 / *leg.gimbal_stiffness : 0.0;
-  if (leg.oil_spring.stiffness) {
-    numbers.area_squared[0] = *leg.oil_spring.stiffness;
+  if (leg.oil_spring.stiffness || leg.screw) {
+    numbers.area_squared[0] = leg.screw ? leg.screw->stiffness : *leg.oil_spring.stiffness;
     numbers.area_squared[1] = 0.0;
     std::fill_n(numbers.volume, 2, 1.0);
     std::fill_n(numbers.volume_slope, 2, 0.0);
@@ -68,7 +68,8 @@ void put_bodies(const model::Leg& leg, LegNumbers<double>& numbers) {
 }  // namespace
 
 bool fits_lanes(const model::Machine& machine) {
-  return !machine.base_mount && machine.payload_modes.empty() && !model::has_chambers(machine) &&
+  return model::leg_type(machine) != model::LegType::strut && !machine.base_mount &&
+         machine.payload_modes.empty() && !model::has_chambers(machine) &&
          !model::has_elastomers(machine) && !model::has_elastic_legs(machine) &&
          std::ranges::none_of(machine.legs, [](const model::Leg& leg) {
            return leg.guide_sleeve.gap || has_line_inertia(leg);

@@ -1,6 +1,9 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 
+#include "hydrapod/diagnosis/diagnose.hpp"
 #include "hydrapod/hydraulics/servo_axis.hpp"
 #include "hydrapod/modal/normal_modes.hpp"
 #include "hydrapod/tasks/linear.hpp"
@@ -17,6 +20,7 @@ LegCheck check_leg(const model::Leg& leg, double length, const kinematics::Joint
   LegCheck result{.length = length, .piston = length - leg.rod.length};
   result.guided_length = leg.guide_sleeve.position - result.piston;
   result.oil_stiffness = hydraulics::oil_stiffness(leg, result.piston);
+  if (leg.strut) result.piston = result.guided_length = std::numeric_limits<double>::quiet_NaN();
   result.base_tilt = angles.base_tilt;
   result.platform_tilt = angles.platform_tilt;
   if (leg.stroke) {
@@ -87,10 +91,25 @@ void add_buckling(const model::Machine& machine, dynamics::ModelKind kind, PoseC
   result.lowest_at_buckling = modal::normal_modes(model).omega(0);
 }
 
+/// Do the oil springs alone hold the platform, with legs that cannot fold on a base that does not
+/// move?
+bool oil_holds(const model::Machine& machine, const spatial::Pose& X_BP) {
+  const auto rigid = dynamics::linear_model(diagnosis::without_mount_and_gimbals(machine), X_BP,
+                                            dynamics::ModelKind::rigid);
+  return modal::normal_modes(rigid).omega2[0] > 0.0;
+}
+
 void warn_of_load(const model::Machine& machine, PoseCheck& result) {
   const auto& buckling = result.buckling;
   const double payload = buckling.payload, mass = machine.platform.mass;
-  if (buckling.status == dynamics::BucklingStatus::buckled)
+  if (!machine.gravity.isZero(0.0) && !oil_holds(machine, result.pose.X_BP)) {
+    const auto rigid =
+        dynamics::buckling_payload(machine, result.pose.X_BP, dynamics::ModelKind::rigid);
+    const bool known = rigid.status == dynamics::BucklingStatus::buckled;
+    constexpr std::array soft{Kind::soft_oil, Kind::soft_struts, Kind::soft_screws};
+    result.warnings.push_back({.kind = soft.at(static_cast<std::size_t>(model::leg_type(machine))),
+                               .value = known ? -rigid.payload : 0.0});
+  } else if (buckling.status == dynamics::BucklingStatus::buckled)
     result.warnings.push_back({.kind = Kind::buckled, .value = -payload});
   else if (buckling.status == dynamics::BucklingStatus::found && payload < mass)
     result.warnings.push_back(
@@ -113,8 +132,9 @@ void warn_below(PoseCheck& result, Kind kind, Value value, Limit limit) {
 
 /// Chamber pressures at rest, and what the oil can push and pull.
 void add_pressures(const model::Machine& machine, PoseCheck& result) {
+  if (model::leg_type(machine) != model::LegType::cylinder) return;
   const auto& supply = machine.hydraulics.supply;
-  report::PoseWarning weak{.kind = Kind::weak_supply};
+  report::PoseWarning weak{.kind = Kind::weak_supply}, pump{.kind = Kind::weak_pump};
   for (int i = 0; i < model::leg_count; ++i) {
     auto& leg = result.legs[i];
     const auto axis = hydraulics::servo_axis(machine, i);
@@ -125,6 +145,10 @@ void add_pressures(const model::Machine& machine, PoseCheck& result) {
     if (rest.found) {
       leg.cap_pressure = rest.p_cap;
       leg.rod_pressure = rest.p_rod;
+      pump.ratio +=
+          hydraulics::valve_flows(axis.valve, rest.spool,
+                                  {supply.pressure, supply.return_pressure, rest.p_cap, rest.p_rod})
+              .supply;
       continue;
     }
     const double force = std::abs(leg.axial_force);
@@ -135,12 +159,69 @@ void add_pressures(const model::Machine& machine, PoseCheck& result) {
     weak.legs.push_back(i);
   }
   if (!weak.legs.empty()) result.warnings.push_back(weak);
+  pump.value = supply.pump_flow.value_or(std::numeric_limits<double>::infinity());
+  if (pump.ratio >= pump.value) result.warnings.push_back(pump);
+}
+
+/// What motors of electric cylinders hold, and can move.
+void add_motors(const model::Machine& machine, PoseCheck& result) {
+  report::PoseWarning weak{.kind = Kind::weak_motor};
+  for (int i = 0; i < model::leg_count; ++i) {
+    const auto& screw = machine.legs[i].screw;
+    if (!screw) return;
+    auto& leg = result.legs[i];
+    const double force = std::abs(leg.axial_force);
+    leg.torque_limit = screw->torque_limit;
+    if (screw->speed_limit) leg.largest_speed = *screw->speed_limit / screw->ratio();
+    leg.largest_push = leg.largest_pull = std::numeric_limits<double>::infinity();
+    if (result.equilibrium) leg.holding_torque = force / screw->ratio();
+    if (!screw->torque_limit) continue;
+    leg.largest_push = leg.largest_pull =
+        screw->ratio() * (*screw->torque_limit - screw->friction_torque);
+    if (!result.equilibrium || force < leg.largest_push) continue;
+    if (weak.legs.empty() || force / leg.largest_push > weak.value / weak.ratio) {
+      weak.value = force;
+      weak.ratio = leg.largest_push;
+    }
+    weak.legs.push_back(i);
+  }
+  if (!weak.legs.empty()) result.warnings.push_back(weak);
+}
+
+/// What a leg has to overcome before its piston moves, beside what the oil can give; of the legs
+/// the worst one.
+void warn_of_friction(const model::Machine& machine, const CheckOptions& options,
+                      PoseCheck& result) {
+  if (model::leg_type(machine) != model::LegType::cylinder) return;
+  report::PoseWarning stuck{.kind = Kind::stuck}, much{.kind = Kind::much_friction};
+  const auto add = [](report::PoseWarning& warning, int leg, double friction, double limit) {
+    if (warning.legs.empty() || limit / friction < warning.ratio / warning.value) {
+      warning.value = friction;
+      warning.ratio = limit;
+    }
+    warning.legs.push_back(leg);
+  };
+  for (int i = 0; i < model::leg_count; ++i) {
+    const auto& leg = result.legs[i];
+    const double friction = hydraulics::servo_axis(machine, i).friction.breakaway;
+    if (!leg.cap_pressure || !(friction > 0.0)) continue;
+    const double room =
+        std::min(leg.largest_push - leg.axial_force, leg.largest_pull + leg.axial_force);
+    if (friction >= room)
+      add(stuck, i, friction, room);
+    else if (friction > options.much_friction * leg.largest_push)
+      add(much, i, friction, leg.largest_push);
+  }
+  for (const auto* warning : {&stuck, &much})
+    if (!warning->legs.empty()) result.warnings.push_back(*warning);
 }
 
 /// The rods as columns; of a leg the gravest finding.
 void add_columns(const model::Machine& machine, const CheckOptions& options, PoseCheck& result) {
+  if (model::leg_type(machine) == model::LegType::strut) return;
   report::PoseWarning buckles{.kind = Kind::rod_buckles}, reserve{.kind = Kind::little_reserve},
-      slender{.kind = Kind::slender_rod};
+      slender{.kind = model::leg_type(machine) == model::LegType::screw ? Kind::slender_screw
+                                                                        : Kind::slender_rod};
   for (int i = 0; i < model::leg_count; ++i) {
     auto& leg = result.legs[i];
     leg.column = dynamics::column_strength(machine.legs[i], leg.length);
@@ -158,7 +239,7 @@ void add_columns(const model::Machine& machine, const CheckOptions& options, Pos
       add(buckles, force, strength, force / strength > buckles.value / buckles.ratio);
     else if (force * options.column_reserve > strength)
       add(reserve, strength / force, 0.0, strength / force < reserve.value);
-    else if (leg.largest_push > strength)
+    else if (leg.largest_push > strength && std::isfinite(leg.largest_push))
       add(slender, leg.largest_push, strength,
           leg.largest_push / strength > slender.value / slender.ratio);
   }
@@ -173,6 +254,10 @@ void add_abilities(const model::Machine& machine, dynamics::ModelKind kind, Pose
   const double square = modal::normal_modes(model).omega2[0];
   if (square <= 0.0) return;
   result.first_resonance = std::sqrt(square);
+  if (model::leg_type(machine) == model::LegType::strut) return;  // nothing moves the platform
+  if (std::ranges::find(result.warnings, Kind::weak_pump, &report::PoseWarning::kind) !=
+      result.warnings.end())
+    return;  // the supply pressure falls
   result.capability = simulation::capability(machine, result.pose.X_BP, kind);
 }
 
@@ -231,6 +316,8 @@ PoseCheck check_pose(const model::Machine& machine, const model::NamedPose& pose
   add_buckling(machine, kind, result);
   warn_of_load(machine, result);
   add_pressures(machine, result);
+  add_motors(machine, result);
+  warn_of_friction(machine, options, result);
   add_columns(machine, options, result);
   add_abilities(machine, kind, result);
   warn_of_air(machine, options, result);

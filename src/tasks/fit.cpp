@@ -113,7 +113,8 @@ Diagnosed diagnose(const Machine& given, const DiagnoseOptions& options, const P
         read_measured(result.machine, options.measured, numerics::part_of(progress, 0.0, 0.2));
     result.warnings = std::move(measured.warnings);
     result.origins = std::move(measured.origins);
-    found.diagnosis = diagnosis::diagnose(file, measured.targets, kind, poses, options.rules,
+    result.measured = std::move(measured.targets);
+    found.diagnosis = diagnosis::diagnose(file, result.measured, kind, poses, options.rules,
                                           numerics::part_of(progress, 0.2, 0.9));
     const auto& d = *found.diagnosis;
     if (d.equivalent.empty() || d.interrupted) return result;

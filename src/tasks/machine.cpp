@@ -70,10 +70,12 @@ spatial::Vector6 displacement_of(const model::Machine& machine, const spatial::P
   std::string guess;
   if (read.plain && kinematics::check_pose(machine, moved(from, read.in_mm), "").empty())
     guess = fmt::format("; did you mean \"{}\"?", read.in_mm_text);
+  const auto in_degrees =
+      read.plain ? fmt::format("; did you mean \"{}\"?", read.in_mm_text) : std::string{};
   for (const double angle : read.d.tail<3>())
     if (std::abs(angle) > std::numbers::pi)
       base::refuse(place, fmt::format("turns the platform by more than half a turn, {:g} rad{}",
-                                      angle, guess));
+                                      angle, in_degrees));
   refuse_unreachable(machine, moved(from, read.d), place, guess);
   return read.d;
 }
@@ -107,6 +109,13 @@ model::NamedPose pose_of(const model::Machine& machine, const std::string& text)
 dynamics::ModelKind model_of(const model::Machine& machine,
                              std::optional<dynamics::ModelKind> asked) {
   using dynamics::ModelKind;
+  if (model::leg_type(machine) == model::LegType::strut) {
+    if (asked && *asked != ModelKind::rigid)
+      base::refuse(fmt::format("--model {}", dynamics::name(*asked)),
+                   "plain struts have neither guide sleeves nor piston rings; expected --model "
+                   "rigid, which is taken where none is asked for");
+    return ModelKind::rigid;
+  }
   const bool rings = std::ranges::all_of(
       machine.legs, [](const model::Leg& leg) { return leg.piston_ring.has_value(); });
   if (!asked) return rings ? ModelKind::full : ModelKind::guide;

@@ -21,9 +21,10 @@ void add_warnings(const std::string& file, const std::vector<Warning>& found,
 
 void append(const Diagnostics& more, Diagnostics& all);
 
-/// Modes of what was measured. Responses of a record that is too short for any become those of the
-/// model that gave the modes.
-identification::Identification modes_of(Measured& measured,
+/// Modes of what was measured as `measure` says. Responses of a record that is too short for any
+/// become those of the model that gave the modes; where that gives none, it is measured again with
+/// averages, unless the whole record was asked for.
+identification::Identification modes_of(Measured& measured, const MeasureOptions& measure,
                                         const identification::IdentifyOptions& options,
                                         const std::function<void(double)>& progress);
 

@@ -32,6 +32,7 @@ observation::Targets calculated_targets(const report::Json& json, const std::str
     observation::ModeTarget target{.name = fmt::format("{:.3f} Hz", mode.omega / base::two_pi),
                                    .pose = pose.name,
                                    .omega = mode.omega,
+                                   .damped = true,
                                    .deviation = observation::default_deviation * mode.omega};
     int direction = 0;
     entry.energy.platform.maxCoeff(&direction);
@@ -55,15 +56,36 @@ void look_into(const Measured& measured, observation::MeasuredAt& at) {
                        .machine.platform.mass_center;
 }
 
-/// Targets of responses, by way of their modes.
-observation::Targets identified_targets(Measured measured, const std::string& path,
-                                        const Machine& machine, observation::MeasuredAt at,
-                                        const Progress& progress, Diagnostics& warnings) {
+/// Averages of blocks for a record that is short enough to be identified in one piece: noisy, but
+/// with the deviations that a comparison needs. Nothing where it is too short for any.
+std::optional<data::FrequencyResponses> averages_of(MeasureOptions options, const std::string& path,
+                                                    const Progress& progress,
+                                                    Diagnostics& warnings) {
+  options.estimate.whole_record = false;
+  bool stopped = false;
+  try {
+    return frf(options, [&](double share) { return stopped = progress && progress(share); })
+        .responses();
+  } catch (const base::ComputationError& error) {
+    if (stopped) throw;
+    add_warning(path,
+                fmt::format("its modes alone are compared, not its responses: {}", error.what()),
+                warnings);
+    return {};
+  }
+}
+
+/// Targets of responses, by way of their modes. `options`: how they were measured, where that was
+/// done here.
+observation::Targets identified_targets(Measured measured, const MeasureOptions& options,
+                                        const std::string& path, const Machine& machine,
+                                        observation::MeasuredAt at, const Progress& progress,
+                                        Diagnostics& warnings) {
   look_into(measured, at);
-  append(measured.warnings, warnings);
-  const auto found = modes_of(measured, {}, [&](double share) {
+  const auto found = modes_of(measured, options, {}, [&](double share) {
     if (progress && progress(share)) throw base::ComputationError("interrupted");
   });
+  append(measured.warnings, warnings);
   add_warnings(path, found.warnings, warnings);
   if (found.modes.empty())
     base::refuse(
@@ -72,7 +94,11 @@ observation::Targets identified_targets(Measured measured, const std::string& pa
         "shows details)");
   auto targets =
       observation::measured_modes(identification::modal_results(found), machine.file.machine, at);
-  if (auto all = observation::measured_responses(measured.responses(), machine.file.machine, at))
+  const auto responses = measured.measurement.record == nullptr
+                             ? std::optional(std::move(measured.measurement.responses))
+                             : averages_of(options, path, progress, warnings);
+  if (!responses) return targets;
+  if (auto all = observation::measured_responses(*responses, machine.file.machine, at))
     targets.responses.push_back(std::move(*all));
   return targets;
 }
@@ -167,7 +193,8 @@ observation::Targets read_one(const MeasuredFile& file, const Machine& machine,
     if (json.contains("matrices") || json.contains("rigid_modes"))
       return calculated_targets(json, path, of);
     if (!json.contains("modes"))
-      return identified_targets(responses_from(json, path), path, machine, at, progress, warnings);
+      return identified_targets(responses_from(json, path), {}, path, machine, at, progress,
+                                warnings);
     Measured measured;
     measured.header = report::record_origin_from_json(json, path);
     auto modes = report::identification_from_json(json, path);
@@ -181,7 +208,7 @@ observation::Targets read_one(const MeasuredFile& file, const Machine& machine,
   options.estimate.for_modes = true;
   options.known->pose = *find_pose(machine.file.machine, file.pose);
   options.p_PQ = at.point;
-  return identified_targets(frf(options, progress), path, machine, at, progress, warnings);
+  return identified_targets(frf(options, progress), options, path, machine, at, progress, warnings);
 }
 
 }  // namespace

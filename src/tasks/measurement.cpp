@@ -345,19 +345,44 @@ std::optional<observation::Observed> observed_in(const Measured& measured) {
                                                                : observation::Observed::system;
 }
 
-identification::Identification modes_of(Measured& measured,
+identification::Identification modes_of(Measured& measured, const MeasureOptions& measure,
                                         const identification::IdentifyOptions& options,
                                         const std::function<void(double)>& progress) {
   auto& m = measured.measurement;
-  auto found = identification::identify_modes(m, options, progress);
-  if (m.record != nullptr) m.responses = found.responses;
-  return found;
+  bool stopped = false;
+  std::string reason;
+  try {
+    auto found = identification::identify_modes(m, options, [&](double share) {
+      stopped = true;  // unless it returns
+      if (progress) progress(share);
+      stopped = false;
+    });
+    if (m.record != nullptr) m.responses = found.responses;
+    return found;
+  } catch (const base::ComputationError& error) {
+    if (stopped || m.record == nullptr || measure.estimate.whole_record) throw;
+    reason = error.what();
+  }
+  auto averaged = measure;
+  averaged.estimate.whole_record = false;
+  measured = frf(averaged, [&](double share) {
+    if (progress) progress(0.5 * share);
+    return false;
+  });
+  add_warning(measure.files.front(),
+              "the whole record at once gives no modes (" + reason + "); averages of blocks do",
+              measured.warnings);
+  return identification::identify_modes(measured.measurement, options, [&](double share) {
+    if (progress) progress(0.5 + 0.5 * share);
+  });
 }
 
 Identified identify(const IdentifyOptions& options, const Progress& progress) {
   Identified found;
   auto measure = options.measure;
   measure.estimate.for_modes = true;
+  if (options.bootstrap > 0 && !measure.estimate.whole_record)
+    measure.estimate.whole_record = false;  // it resamples blocks
   found.measured = frf(measure, numerics::part_of(progress, 0.0, 0.4));
   const auto& file = options.measure.files.front();
   check_window(options, found.measured);
@@ -366,7 +391,7 @@ Identified identify(const IdentifyOptions& options, const Progress& progress) {
     auto& spectra = measurement.spectra;
     spectra.re = spectra.im = spectra.noise_re = spectra.noise_im = {};
   }
-  found.modes = modes_of(found.measured, options.modes, [&](double share) {
+  found.modes = modes_of(found.measured, measure, options.modes, [&](double share) {
     // who has stopped the reading wants the modes of what was read
     if (progress && progress(0.4 + 0.6 * share) && !measurement.interrupted)
       throw base::ComputationError("interrupted");

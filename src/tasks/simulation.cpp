@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <regex>
 #include <stdexcept>
 
 #include "hydrapod/base/version.hpp"
@@ -18,11 +19,25 @@ namespace {
 using simulation::ClosedLoop;
 using simulation::LoopSample;
 
+/// "machine.toml: sha256 9f86…", a line per file.
+std::string inputs_text(const Origin& origin) {
+  std::vector<std::string> lines;
+  for (const auto& input : origin.inputs)
+    lines.push_back(fmt::format("read {}: sha256 {}", input.path, input.sha256));
+  return fmt::format("{}", fmt::join(lines, "\n"));
+}
+
+/// Both texts, a line break between them.
+std::string with_lines(const std::string& text, const std::string& more) {
+  return text.empty() || more.empty() ? text + more : text + "\n" + more;
+}
+
 data::RecordHeader header_of(const Machine& machine, std::uint64_t seed, const Origin& origin) {
   const auto& X_BP = machine.pose.X_BP;
   const spatial::Vector3 rpy = spatial::rpy_from_rotation(X_BP.R_BP), &p = X_BP.p_BP;
   return {
       .title = machine.file.machine.name,
+      .notes = inputs_text(origin),
       .experiment = {.program = origin.program.empty() ? fmt::format("hydrapod {}", base::version)
                                                        : origin.program,
                      .command = origin.command,
@@ -91,7 +106,7 @@ data::RecordHeader rig_header(const Machine& machine, const rig::RigOptions& opt
                               const control::ControllerParameters& controller) {
   constexpr std::array entries{"command", "drive", "wrench"};
   auto header = header_of(machine, options.seed, origin);
-  header.channels = rig::rig_channels(options);
+  header.channels = rig::rig_channels(options, model::leg_type(machine.file.machine));
   header.sample_rate = options.rate;
   header.start = options.settling;  // the excitation begins at 0
   header.repeat = options.repeat;
@@ -166,8 +181,49 @@ bool is_function_of_time(const signals::Signal& signal) {
          std::holds_alternative<signals::Sweep>(signal.form);
 }
 
+/// The command with millimetres and degrees where its sizes have no unit: "step z=5 mm" of
+/// "step z=5".
+std::string in_millimetres(const std::string& command) {
+  static const std::regex size(
+      R"(\b(r?)([xyz])(\s*=\s*)([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?)\s*(?=,|$))");
+  std::string meant;
+  auto rest = command.begin();
+  for (std::sregex_iterator found(command.begin(), command.end(), size), none; found != none;
+       ++found) {
+    meant.append(rest, (*found)[0].first);
+    meant += found->str(1) + found->str(2) + found->str(3) + found->str(4) +
+             (found->length(1) == 0 ? " mm" : " deg");
+    rest = (*found)[0].second;
+  }
+  return meant.append(rest, command.end());
+}
+
+/// Where the motion can be in millimetres and degrees, and its sizes have no units, that is the
+/// likely cause of all `errors`: one message then.
+void refuse_with_guess(const Machine& machine, const ClosedLoop& loop,
+                       const std::vector<std::string>& texts, double until,
+                       const std::vector<base::Diagnostic>& errors) {
+  std::vector<std::string> meant, changed, wrong;
+  for (const auto& text : texts) {
+    meant.push_back(in_millimetres(text));
+    if (meant.back() == text) continue;
+    changed.push_back(meant.back());
+    wrong.push_back(text);
+  }
+  if (changed.empty()) return;
+  const double rate = 1.0 / loop.parameters().sample_time;
+  signals::Generator signal(signals::read_signals(meant, {.rate = rate}), rate);
+  for (const auto& finding :
+       simulation::check_motion(loop.plant(), loop.parameters(), machine.pose.X_BP, signal, until))
+    if (finding.severity == base::Severity::error) return;
+  base::refuse(fmt::format("--command {}", fmt::join(wrong, ", ")),
+               fmt::format("{}; did you mean \"{}\"?", errors.front().message,
+                           fmt::join(changed, "\", \"")));
+}
+
 /// Throws for a motion that cannot be; returns what else there is to say: valves too small for it.
 std::vector<std::string> require_possible(const Machine& machine, const ClosedLoop& loop,
+                                          const std::vector<std::string>& texts,
                                           const std::vector<signals::Signal>& commands,
                                           signals::Generator& signal, double until) {
   auto parameters = loop.parameters();
@@ -187,8 +243,9 @@ std::vector<std::string> require_possible(const Machine& machine, const ClosedLo
     else
       warnings.push_back(finding.message);
   }
-  if (!errors.empty()) throw base::InputError(errors);
-  return warnings;
+  if (errors.empty()) return warnings;
+  refuse_with_guess(machine, loop, texts, until, errors);
+  throw base::InputError(errors);
 }
 
 /// The drives change at each sample, and no step goes on beyond a change.
@@ -255,7 +312,10 @@ report::Simulation simulate(const Machine& machine, const SimulateOptions& optio
   signals::Generator signal(commands, rate, options.loop.seed);
   auto loop = bounded_loop(of, machine.pose.X_BP, result.loop, "--until");
   if (result.loop.actuators == simulation::Actuators::controlled)
-    result.warnings = require_possible(machine, loop, commands, signal, result.until);
+    result.warnings =
+        require_possible(machine, loop, options.commands, commands, signal, result.until);
+  if (auto why = simulation::instability(loop); !why.empty())
+    result.warnings.push_back(std::move(why));
   note_shorter_steps(loop, result.loop.integrator, result.warnings);
   for (const auto& command : commands) result.commands.push_back(signals::signal_text(command));
   for (const auto& one : forces)
@@ -265,7 +325,7 @@ report::Simulation simulate(const Machine& machine, const SimulateOptions& optio
   std::optional<RecordFile> record;
   if (!options.record.empty()) {
     auto header = header_of(machine, options.loop.seed, options.origin);
-    header.notes = notes_of(options, result);
+    header.notes = with_lines(notes_of(options, result), header.notes);
     record.emplace(options.record, loop, std::move(header));
   }
   simulation::TraceRecorder recorder(loop, result.until, options.trace_samples);
@@ -285,6 +345,7 @@ report::Simulation simulate(const Machine& machine, const SimulateOptions& optio
 
 Rig rig(const Machine& machine, const RigOptions& asked, const Progress& progress) {
   const auto& of = machine.file.machine;
+  if (asked.hardware) hydraulics::require_hydraulics(of);  // packets have pressures
   Rig result{.options = asked.test};
   auto& options = result.options;
   options.loop.kind = machine.kind;
@@ -305,7 +366,7 @@ Rig rig(const Machine& machine, const RigOptions& asked, const Progress& progres
     const auto going = keep_going(progress, options.settling + options.duration);
     std::unique_ptr<data::RecordWriter> writer;
     if (asked.hardware) {
-      header.notes = "measured on hardware";
+      header.notes = with_lines("measured on hardware", header.notes);
       header.experiment.controller.clear();  // it is the machine's own
       result.hardware = realtime::run_on_hardware(
           of, machine.pose.X_BP, options, *asked.hardware,
@@ -327,7 +388,8 @@ Rig rig(const Machine& machine, const RigOptions& asked, const Progress& progres
 
 Served serve(const Machine& machine, const ServeOptions& asked, const Progress& progress) {
   const auto& of = machine.file.machine;
-  constexpr double longest = 9e8;  // [samples], a little less than a run may have
+  hydraulics::require_hydraulics(of);  // packets have pressures
+  constexpr double longest = 9e8;      // [samples], a little less than a run may have
   auto options = asked.server;
   auto loop_options = asked.loop;
   loop_options.kind = machine.kind;
@@ -347,7 +409,7 @@ Served serve(const Machine& machine, const ServeOptions& asked, const Progress& 
       for (const auto& more : realtime::serve_channels(loop, options))
         header.channels.push_back(more);
       header.sample_rate = 1.0 / of.controller.sample_time;
-      header.notes = "commands of a client, `hydrapod serve`";
+      header.notes = with_lines("commands of a client, `hydrapod serve`", header.notes);
       header.experiment.controller = controller_text(loop.parameters());
       for (const auto& one : options.accelerometers)
         header.experiment.sensors.push_back({one.name, one.p_P, one.e_P});

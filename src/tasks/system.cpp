@@ -15,6 +15,14 @@ simulation::LinearSystemOptions linear_options(const Machine& machine,
   return {.kind = machine.kind, .pade_order = options.pade_order, .closed = options.closed};
 }
 
+/// With its controller, with valves at rest, or with motors that turn freely.
+simulation::LinearSystem described(const model::Machine& machine, const spatial::Pose& X_BP,
+                                   const simulation::LinearSystemOptions& options) {
+  if (!options.closed && model::leg_type(machine) == model::LegType::screw)
+    return simulation::screw_system(machine, X_BP, options.kind);
+  return simulation::linear_system(machine, X_BP, options);
+}
+
 /// Throws base::InputError for numbers without a relative sensitivity, and for the same one twice.
 void check_parameters(const std::vector<std::string>& paths, const model::MachineFile& file) {
   std::vector<base::Diagnostic> errors;
@@ -44,7 +52,7 @@ report::System system(const Machine& machine, const SystemOptions& options) {
   const auto& of = machine.file.machine;
   report::System result{
       .closed = options.closed,
-      .linear = simulation::linear_system(of, machine.pose.X_BP, linear_options(machine, options))};
+      .linear = described(of, machine.pose.X_BP, linear_options(machine, options))};
   if (options.closed) result.tuning = simulation::tune_controller(of, machine.pose.X_BP);
   result.poles = simulation::system_poles(result.linear);
   return result;
@@ -63,10 +71,15 @@ report::RootLocus root_locus(const Machine& machine, const RootLocusOptions& opt
     overrides.push_back(fmt::format("{}={:.17g}", options.key, value));
     const auto changed =
         model::parse_machine(machine.file.text, machine.path, overrides, kinematics::check_machine);
-    return simulation::system_poles(simulation::linear_system(
-        changed.machine, machine.pose.X_BP, linear_options(machine, options.system)));
+    return simulation::system_poles(
+        described(changed.machine, machine.pose.X_BP, linear_options(machine, options.system)));
   };
   report::RootLocus locus{.key = options.key};
+  const auto& today = machine.file.machine;
+  locus.today = simulation::system_poles(
+      described(today, machine.pose.X_BP, linear_options(machine, options.system)));
+  if (const auto id = model::find_parameter(today, options.key))
+    locus.today_value = model::value(today, *id);
   for (int k = 0; k < options.count; ++k) {
     locus.values.push_back(options.from + (options.to - options.from) * k / (options.count - 1));
     locus.poles.push_back(poles_at(locus.values.back()));

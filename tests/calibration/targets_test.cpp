@@ -51,6 +51,10 @@ loss = "cauchy"
                                              "t.toml");
   EXPECT_EQ(targets.title, "June");
   ASSERT_EQ(targets.modes.size(), 3U);
+  for (const auto& mode : targets.modes) EXPECT_TRUE(mode.damped);
+  const auto undamped =
+      parse_targets("frequencies = \"undamped\"\n[[mode]]\nfrequency = \"7.1 Hz\"\n", "t.toml");
+  EXPECT_FALSE(undamped.targets.modes[0].damped);
   const auto& x = targets.modes[0];
   EXPECT_DOUBLE_EQ(x.omega, 11.3 * two_pi);
   EXPECT_DOUBLE_EQ(x.deviation, 0.005 * x.omega);

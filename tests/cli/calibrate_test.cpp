@@ -101,8 +101,12 @@ TEST_F(Calibrate, SaysWhatIsWrong) {
 TEST_F(Calibrate, WritesChoicesThatReplaceTables) {
   const std::string heavy = test::source_file("models/heavy-platform.toml").string();
   const std::string output = (folder_ / "out.toml").string();
+  const std::string measured =
+      write("soft.csv",
+            "frequency [Hz],direction,deviation [%]\n2.68,x,0.3\n2.66,y,0.3"
+            "\n3.75,z,0.3\n3.23,rx,0.3\n3.18,ry,0.3\n3.82,rz,0.3\n");
   const auto run = run_hydrapod(
-      {"calibrate", heavy, "--targets", measured_, "--starts", "1", "--set",
+      {"calibrate", heavy, "--targets", measured, "--starts", "1", "--set",
        "legs.oil_spring={stiffness=\"3 kN/mm\"}", "--free", "legs.guide_sleeve.stiffness", "--free",
        "leg.2.guide_sleeve.stiffness", "--free", "leg.3.rod.mass", "-o", output});
   ASSERT_EQ(run.exit_code, 0) << run.err;
@@ -111,7 +115,7 @@ TEST_F(Calibrate, WritesChoicesThatReplaceTables) {
   EXPECT_THAT(text, HasSubstr("# [legs.oil_spring.cylinder]\n# bore = \"100 mm\"\n"));
   // calibrated again: remarks are replaced, not heaped up
   const std::string second = (folder_ / "second.toml").string();
-  const auto again = run_hydrapod({"calibrate", output, "--targets", measured_, "--starts", "1",
+  const auto again = run_hydrapod({"calibrate", output, "--targets", measured, "--starts", "1",
                                    "--free", "leg.3.rod.mass", "-o", second});
   ASSERT_EQ(again.exit_code, 0) << again.err;
   const auto twice = test::read_text(second);
@@ -121,6 +125,23 @@ TEST_F(Calibrate, WritesChoicesThatReplaceTables) {
   const auto state = twice.find("state = \"calibrated\"");
   ASSERT_NE(state, std::string::npos);
   EXPECT_EQ(twice.find("state = ", state + 1), std::string::npos);
+}
+
+/// "1.4 GPa" in the file is 1.4 GPa in the table, not 1.4e+09 Pa.
+TEST_F(Calibrate, PrintsInTheUnitsOfTheMachineFile) {
+  const auto targets = write("heavy.csv",
+                             "frequency [Hz],direction,deviation [%]\n"
+                             "4.10,x,0.1\n4.10,y,0.1\n7.9,z,0.1\n");
+  const auto run = run_hydrapod(
+      {"calibrate", test::source_file("models/heavy-platform.toml").string(), "--targets", targets,
+       "--free", "legs.oil_spring.cylinder.bulk_modulus", "--free", "legs.guide_sleeve.stiffness"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(
+      run.out,
+      testing::AllOf(
+          testing::ContainsRegex("legs.oil_spring.cylinder.bulk_modulus +1.4 +0\\.[0-9]+ +GPa"),
+          testing::ContainsRegex("legs.guide_sleeve.stiffness +0.84 +0\\.[0-9]+ +kN/mm"),
+          HasSubstr("model Hz  diff Hz")));
 }
 
 TEST_F(Calibrate, LeavesNoFileWhenItFails) {

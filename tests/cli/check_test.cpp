@@ -19,11 +19,11 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
 
-const std::string published = test::source_file("models/zhang-jiang-2021.toml").string();
-const std::string heavy = test::source_file("models/heavy-platform.toml").string();
+const std::string published_model = test::source_file("models/zhang-jiang-2021.toml").string();
+const std::string heavy_model = test::source_file("models/heavy-platform.toml").string();
 
 TEST(Check, TableSaysWhatFollows) {
-  const auto result = run_hydrapod({"check", published});
+  const auto result = run_hydrapod({"check", published_model});
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_EQ(result.err, "");
   EXPECT_THAT(result.out,
@@ -36,9 +36,10 @@ TEST(Check, TableSaysWhatFollows) {
 }
 
 TEST(Check, JsonHasItsStableFields) {
-  const auto json = json_of({"check", heavy, "--format", "json"});
-  EXPECT_THAT(fields(json), ElementsAre("kind", "machine", "assumptions", "sound",
-                                        "simulation_assumptions", "poses", "reproduction"));
+  const auto json = json_of({"check", heavy_model, "--format", "json"});
+  EXPECT_THAT(fields(json),
+              ElementsAre("kind", "machine", "assumptions", "sound", "unusual_numbers",
+                          "simulation_assumptions", "poses", "reproduction"));
   EXPECT_EQ(json["kind"], "check");
   EXPECT_EQ(json["poses"].size(), 4U);
   const Json& pose = json["poses"][0];
@@ -59,15 +60,15 @@ TEST(Check, JsonHasItsStableFields) {
 }
 
 TEST(Check, SaysWhatSimulationAssumes) {
-  const auto table = run_hydrapod({"check", published});
+  const auto table = run_hydrapod({"check", published_model});
   EXPECT_THAT(table.out,
               AllOf(HasSubstr("Assumed values for simulations\n"),
                     HasSubstr("  legs.equivalent_cylinder: A_p = 6.99 cm^2 (a sixth of the supply "
                               "pressure carries the platform), e = 0.5, 0.158 l in both chambers"),
                     HasSubstr("  legs.valve.rated_flow: 21 l/min at full opening")));
-  const auto json =
-      json_of({"check", published, "--format", "json", "--set", "leg.2.valve.rated_flow=30 l/min",
-               "--set", "legs.friction={ coulomb = 90, viscous = 0 }"});
+  const auto json = json_of({"check", published_model, "--format", "json", "--set",
+                             "leg.2.valve.rated_flow=30 l/min", "--set",
+                             "legs.friction={ coulomb = 90, viscous = 0 }"});
   std::vector<std::string> keys;
   for (const Json& one : json["simulation_assumptions"]) keys.push_back(one["key"]);
   EXPECT_THAT(keys, AllOf(testing::Contains("leg.1.valve.rated_flow"),
@@ -77,7 +78,7 @@ TEST(Check, SaysWhatSimulationAssumes) {
 }
 
 TEST(Check, LegsAddUp) {
-  const auto json = json_of({"check", heavy, "--pose", "pitched", "--format", "json"});
+  const auto json = json_of({"check", heavy_model, "--pose", "pitched", "--format", "json"});
   ASSERT_EQ(json["poses"].size(), 1U);
   for (const Json& leg : json["poses"][0]["legs"]) {
     const double piston = leg["piston_m"], length = leg["length_m"];
@@ -92,7 +93,7 @@ TEST(Check, LegsAddUp) {
 
 /// Six legs carry the platform and part of their own weight.
 TEST(Check, ForcesCarryTheWeight) {
-  const auto json = json_of({"check", heavy, "--format", "json"});
+  const auto json = json_of({"check", heavy_model, "--format", "json"});
   double up = 0.0;
   for (const Json& leg : json["poses"][0]["legs"]) up += leg["axial_force_N"].get<double>();
   const double weight = 14000.0 * 9.80665;
@@ -101,18 +102,18 @@ TEST(Check, ForcesCarryTheWeight) {
 }
 
 TEST(Check, NamesThePayloadAtWhichTheLegsFold) {
-  const auto light = json_of({"check", published, "--set", "environment.gravity=9.81", "--set",
-                              "model.flexible_axes=transverse", "--format", "json"});
+  const auto light = json_of({"check", published_model, "--set", "environment.gravity=9.81",
+                              "--set", "model.flexible_axes=transverse", "--format", "json"});
   const Json& buckling = light["poses"][0]["buckling"];
   ASSERT_EQ(buckling["status"], "found");
   const double payload = buckling["payload_kg"];
   EXPECT_GT(payload, 0.0);
-  const auto table = run_hydrapod({"check", published, "--set", "environment.gravity=9.81", "--set",
-                                   "model.flexible_axes=transverse"});
+  const auto table = run_hydrapod({"check", published_model, "--set", "environment.gravity=9.81",
+                                   "--set", "model.flexible_axes=transverse"});
   EXPECT_THAT(table.out, HasSubstr("Buckling load: "));
 
   // with this payload the machine names the mass to remove
-  const auto loaded = run_hydrapod({"check", published, "--set", "environment.gravity=9.81",
+  const auto loaded = run_hydrapod({"check", published_model, "--set", "environment.gravity=9.81",
                                     "--set", "model.flexible_axes=transverse", "--set",
                                     "platform.mass=" + std::to_string(894.0 + 1.01 * payload)});
   EXPECT_EQ(loaded.exit_code, 1);
@@ -125,7 +126,7 @@ TEST(Check, NamesThePayloadAtWhichTheLegsFold) {
 
 /// So little payload left that the bracket of the search is large against it.
 TEST(Check, OfAMachineAboutToBuckleStillAnswers) {
-  const std::vector<std::string> arguments{"check",    published,
+  const std::vector<std::string> arguments{"check",    published_model,
                                            "--set",    "environment.gravity=9.81",
                                            "--set",    "model.flexible_axes=transverse",
                                            "--format", "json"};
@@ -141,12 +142,13 @@ TEST(Check, OfAMachineAboutToBuckleStillAnswers) {
 }
 
 TEST(Check, DoesNotSpeakOfBucklingWhereItWasNotSought) {
-  const auto result = run_hydrapod({"check", heavy, "--model", "rigid", "--pose", "neutral"});
+  const auto result = run_hydrapod({"check", heavy_model, "--model", "rigid", "--pose", "neutral"});
   EXPECT_THAT(result.out, HasSubstr("Buckling: rigid legs do not buckle.\n"));
-  const auto json = json_of({"check", heavy, "--model", "rigid", "--format", "json"});
+  const auto json = json_of({"check", heavy_model, "--model", "rigid", "--format", "json"});
   EXPECT_EQ(json["poses"][0]["buckling"]["status"], "not_sought");
-  EXPECT_EQ(json_of({"check", published, "--format", "json"})["poses"][0]["buckling"]["status"],
-            "not_sought");
+  EXPECT_EQ(
+      json_of({"check", published_model, "--format", "json"})["poses"][0]["buckling"]["status"],
+      "not_sought");
 }
 
 /// Against the areas of a 100/70 cylinder, 81 bar and 5 bar, with the atmosphere on the rod.
@@ -155,7 +157,8 @@ TEST(Check, IsNotSoundWhereTheSupplyCannotHoldTheLoad) {
   constexpr double piston = pi / 4.0 * 0.1 * 0.1, rod = pi / 4.0 * 0.07 * 0.07;
   constexpr double push = 81e5 * piston - 5e5 * (piston - rod) - 101325.0 * rod;
   const std::vector<std::string> stiff{
-      "check", heavy, "--set", "legs.guide_sleeve.stiffness=80 kN/mm", "--pose", "low", "--set"};
+      "check",  heavy_model, "--set", "legs.guide_sleeve.stiffness=80 kN/mm",
+      "--pose", "low",       "--set"};
   const auto of_mass = [&](const char* mass, std::vector<std::string> more = {}) {
     auto arguments = stiff;
     arguments.push_back(std::string("platform.mass=") + mass);
@@ -215,6 +218,13 @@ TEST(Check, OneSlipIsOneMessage) {
        "legs.stroke.length: is 860 m, usual are 0.002 m to 20 m; did you mean 860 mm?"},
       {{"--set", "poses.low.position=[0, 0, 1300]"},
        "poses.low.position[2]: is 1300 m, usual are up to 50 m; did you mean 1300 mm?"},
+      {{"--set", "legs.guide_sleeve.stiffness=1e22"},
+       "legs.guide_sleeve.stiffness: is 1e+22 N/m, expected no more than 1e+15, or \"rigid\""},
+      {{"--set", "legs.guide_sleeve.stiffness=Rigid"},
+       "legs.guide_sleeve.stiffness: \"Rigid\" does not start with a number, expected a stiffness "
+       "such as \"0.5 N/m\"; did you mean \"rigid\"?"},
+      {{"--set", "platform.mass=1e308"},
+       "platform.mass: is 1e+308 kg, expected no more than 1e+30"},
       {{"--set", "poses.low.position=[0, 0, 2.9]"},
        "poses.low: the piston of leg 1 is 2.143 m from its base joint, 0.923 m beyond its stroke "
        "from 0.36 m to 1.22 m; also all other legs"},
@@ -223,9 +233,18 @@ TEST(Check, OneSlipIsOneMessage) {
       {{"--pose", "rx=5, z=20 mm"}, "; did you mean \"z=20 mm, rx=5 deg\"?"},
       {{"--pose", "rz=6.3"},
        "turns the platform by more than half a turn, 6.3 rad; did you mean \"rz=6.3 deg\"?"},
-      {{"--pose", "ry=-40"}, "turns the platform by more than half a turn, -40 rad"}};
+      {{"--pose", "ry=-40"},
+       "turns the platform by more than half a turn, -40 rad; did you mean \"ry=-40 deg\"?"},
+      {{"--pose", "rz=45"},
+       "turns the platform by more than half a turn, 45 rad; did you mean \"rz=45 deg\"?"},
+      {{"--pose", "rz=45 rad"}, "turns the platform by more than half a turn, 45 rad"},
+      {{"--set", "poses.low.rotation=[10, 0, 0]"},
+       "poses.low.rotation[0]: is 10 rad, more than half a turn; did you mean 10 deg?"},
+      {{"--set", "poses.low.rotation=[0, '-400 deg', 0]"},
+       "poses.low.rotation[1]: is -6.98132 rad, expected no more than a whole turn"},
+      {{"--set", "poses.low.rotation=[0, 3, 0]"}, "; did you mean 3 deg?"}};
   for (const auto& slip : slips) {
-    std::vector<std::string> arguments{"check", heavy};
+    std::vector<std::string> arguments{"check", heavy_model};
     arguments.insert(arguments.end(), slip.arguments.begin(), slip.arguments.end());
     const auto result = run_hydrapod(arguments);
     EXPECT_EQ(result.exit_code, 2) << slip.says;
@@ -236,11 +255,112 @@ TEST(Check, OneSlipIsOneMessage) {
 
 TEST(Check, AnUnusualNumberIsAWarningWhereTheMachineCanHaveIt) {
   const auto result =
-      run_hydrapod({"check", heavy, "--pose", "low", "--set", "platform.mass=10 kg"});
+      run_hydrapod({"check", heavy_model, "--pose", "low", "--set", "platform.mass=10 kg"});
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_EQ(result.err,
             "--set platform.mass=10 kg: warning: platform.mass: is 10 kg, less than a twentieth of "
             "the legs' 348 kg; did you mean 10 t?\n");
+  EXPECT_THAT(result.out,
+              testing::EndsWith("\nSound at pose low; unusual number: platform.mass is 10 kg.\n"));
+}
+
+/// A number beyond the range of its key is not called sound, whatever the calculation makes of it.
+TEST(Check, AMachineWithAnImplausibleNumberIsNotSound) {
+  const std::vector<Slip> slips{
+      {{"check", heavy_model, "--set", "legs.oil_spring.cylinder.bore=100 m"},
+       "implausible number: legs.oil_spring.cylinder.bore is 100 m"},
+      {{"check", published_model, "--set", "legs.valve.rated_flow=150"},
+       "implausible number: legs.valve.rated_flow is 150 m^3/s"},
+      {{"check", published_model, "--set", "legs.guide_sleeve.gap=0.2"},
+       "implausible number: legs.guide_sleeve.gap is 0.2 m"},
+      {{"check", published_model, "--set", "legs.case.mass_center=1050"},
+       "implausible number: legs.case.mass_center is 1050 m"},
+      {{"check", published_model, "--set", "legs.case.mass_center=1050", "--set",
+        "legs.guide_sleeve.gap=0.2"},
+       "implausible numbers: legs.case.mass_center is 1050 m, legs.guide_sleeve.gap is 0.2 m"}};
+  for (const auto& slip : slips) {
+    const auto result = run_hydrapod(slip.arguments);
+    EXPECT_EQ(result.exit_code, 1) << slip.says;
+    EXPECT_THAT(result.out, testing::EndsWith("\nNot sound: " + slip.says + ".\n"));
+    EXPECT_THAT(result.err, testing::EndsWith("\nerror: the machine is not sound\n"));
+    auto as_json = slip.arguments;
+    as_json.insert(as_json.end(), {"--format", "json"});
+    const auto json = Json::parse(run_hydrapod(as_json).out);
+    EXPECT_FALSE(json["sound"].get<bool>()) << slip.says;
+    EXPECT_TRUE(json["unusual_numbers"][0]["implausible"].get<bool>()) << slip.says;
+    EXPECT_TRUE(json["poses"][0]["sound"].get<bool>()) << "the calculation finds nothing";
+  }
+}
+
+/// `modes` shows oil 100 %: stiffer guide sleeves would not help.
+TEST(Check, BlamesOilSpringsThatDoNotHoldThePlatform) {
+  for (const char* model : {"rigid", "guide"}) {
+    const auto result =
+        run_hydrapod({"check", heavy_model, "--set", "legs.oil_spring={ stiffness = '5 N/mm' }",
+                      "--pose", "neutral", "--model", model});
+    EXPECT_EQ(result.exit_code, 1) << model;
+    EXPECT_THAT(
+        result.out,
+        AllOf(HasSubstr("warning: the oil springs do not hold the platform: with rigid guide "
+                        "sleeves it is unstable too; remove "),
+              HasSubstr(" kg, or use stiffer oil springs (legs.oil_spring)\n"),
+              Not(HasSubstr("stiffer guide sleeves")), Not(HasSubstr("the legs buckle")),
+              testing::EndsWith(
+                  "\nNot sound: the oil springs do not hold the platform at pose neutral.\n")));
+  }
+  // a soft mount is none of the oil's
+  const auto mounted = run_hydrapod(
+      {"check", heavy_model, "--set", "base.mount={stiffness={x=2e4,y=2e4,z=1e8,rx=1e5,ry=1e5}}"});
+  EXPECT_THAT(mounted.out, Not(HasSubstr("the oil springs do not hold")));
+  const auto folded = run_hydrapod({"check", heavy_model, "--set", "platform.mass=18 t"});
+  EXPECT_THAT(folded.out, AllOf(HasSubstr("use stiffer guide sleeves"),
+                                Not(HasSubstr("the oil springs do not hold"))));
+}
+
+/// Table and verdict, with the leakage of six valves: each leaks more than its sixth of the pump.
+TEST(Check, IsNotSoundWhereThePumpDoesNotCoverTheLeakage) {
+  const auto of_flow = [](const char* flow) {
+    return run_hydrapod(
+        {"check", heavy_model, "--pose", "low", "--set", std::string("supply.pump_flow=") + flow});
+  };
+  const auto weak = of_flow("1 l/min");
+  EXPECT_EQ(weak.exit_code, 1);
+  EXPECT_EQ(weak.err, "error: the machine is not sound\n");
+  EXPECT_THAT(weak.out, AllOf(HasSubstr("oil spring N/µm"),
+                              HasSubstr("warning: the pump gives 1 l/min, and the valves leak "),
+                              HasSubstr("\nNot sound: the pump gives 1 l/min and the valves leak "),
+                              testing::EndsWith(" l/min at pose low.\n")));
+  const auto at = weak.out.rfind("the valves leak ");
+  const double leakage = std::stod(weak.out.substr(at + std::string("the valves leak ").size()));
+  EXPECT_EQ(of_flow((std::to_string(1.01 * leakage) + " l/min").c_str()).exit_code, 0);
+  EXPECT_EQ(of_flow((std::to_string(0.99 * leakage) + " l/min").c_str()).exit_code, 1);
+}
+
+TEST(Check, SaysWhenFrictionHoldsTheLegs) {
+  const auto of_friction = [](const char* coulomb) {
+    return run_hydrapod({"check", heavy_model, "--pose", "low", "--set",
+                         std::string("legs.friction.coulomb=") + coulomb});
+  };
+  const auto little = of_friction("1 kN");
+  EXPECT_EQ(little.exit_code, 0);
+  EXPECT_THAT(little.out, Not(HasSubstr("of friction")));
+  const auto much = of_friction("10 kN");
+  EXPECT_EQ(much.exit_code, 0);
+  EXPECT_THAT(much.out, HasSubstr("warning: all legs: 15 kN of friction are "));
+  const auto stuck = of_friction("50 kN");
+  EXPECT_EQ(stuck.exit_code, 1);
+  EXPECT_THAT(stuck.out,
+              AllOf(HasSubstr("warning: all legs: 75 kN of friction hold the piston, and the oil "
+                              "has "),
+                    testing::EndsWith("\nNot sound: the oil cannot move the legs against their "
+                                      "friction at pose low.\n")));
+}
+
+/// A mass that nobody would write out.
+TEST(Check, ShortensAMassOfThirtyDigits) {
+  EXPECT_THAT(
+      run_hydrapod({"check", heavy_model, "--pose", "low", "--set", "platform.mass=1e30"}).out,
+      AllOf(HasSubstr("remove 1e+30 kg, or"), Not(HasSubstr("000000000000"))));
 }
 
 TEST(Check, ReportsEveryMistakeInOneGo) {

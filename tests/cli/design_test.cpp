@@ -167,9 +167,10 @@ TEST_F(Evaluate, AnswersTheStandardFormat) {
       {"sensitivity", machine, "--set", "legs.guide_sleeve.stiffness=2.3e6", "--set",
        "platform.mass=14100", "--parameter", "platform.mass", "--format", "json"});
   const auto json = nlohmann::json::parse(sensitivity.out);
-  EXPECT_NEAR(found[0], json["modes"][0]["frequency_hz"], 1e-9);
+  // studies have undamped frequencies, sensitivities those that damping has shifted a little
+  EXPECT_NEAR(found[0], json["modes"][0]["frequency_hz"], 1e-6);
   const double relative = json["percent_per_percent"][0][0];
-  EXPECT_NEAR(found[3], relative * found[0] / 14100.0, 1e-6 * std::abs(found[3]));
+  EXPECT_NEAR(found[3], relative * found[0] / 14100.0, 1e-5 * std::abs(found[3]));
   // the gradient against two more evaluations
   const double h = 1.4;
   write(2.3e6, 14100.0 + h, 1, 1);

@@ -127,6 +127,9 @@ void furnish(const std::filesystem::path& folder, const std::string& command) {
   if (command == "frf" || command == "identify" || command == "report" || command == "diagnose" ||
       command == "compare" || command == "studio")
     furnish_for_identification(folder);
+  if (command == "report")
+    run_hydrapod({"compare", "machine.toml", "run.h5", "-o", "comparison.json"},
+                 {.folder = folder});
   if (command == "attach") furnish_with_a_cabin(folder);
   if (command != "record") return;
   for (const char* name : {"run.h5", "run.csv"})

@@ -268,7 +268,7 @@ TEST_F(Identify, NamesWithCommasStayOneField) {
 }
 
 TEST_F(Identify, TheChartSaysOfEveryPoleWhatAgrees) {
-  const auto run = test::run_hydrapod({"identify", write(), "--format", "json"});
+  const auto run = test::run_hydrapod({"identify", write(), "--block", "1024", "--format", "json"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const auto found = json::parse(run.out);
   std::map<int, int> members;

@@ -14,10 +14,10 @@ namespace {
 
 using testing::HasSubstr;
 
-const std::string heavy = source_file("models/heavy-platform.toml").string();
+const std::string heavy_model = source_file("models/heavy-platform.toml").string();
 
 RunResult amplitudes(std::vector<std::string> more) {
-  more.insert(more.begin(), {"modes", heavy});
+  more.insert(more.begin(), {"modes", heavy_model});
   return run_hydrapod(more);
 }
 

@@ -112,6 +112,15 @@ TEST(Modes, TableSaysWhatItStandsOn) {
             Not(HasSubstr("\033"))));
 }
 
+TEST(Modes, PolesOfTheSystemAreAtOnePose) {
+  const auto of_all = run_hydrapod({"modes", heavy, "--poses", "all", "--system"});
+  EXPECT_EQ(of_all.exit_code, 2);
+  EXPECT_EQ(of_all.err,
+            "--poses all: error: poles of the system are at one pose; give --pose once\n");
+  EXPECT_THAT(run_hydrapod({"modes", heavy, "--pose", "low", "--pose", "neutral", "--system"}).err,
+              testing::StartsWith("--pose: error: poles of the system"));
+}
+
 TEST(Modes, ComeInThreeModels) {
   const auto count = [](const std::vector<std::string>& more) {
     std::vector<std::string> arguments{"modes", published, "--format", "json"};
@@ -220,13 +229,11 @@ TEST(Modes, HaveTheBaseThatTheMachineStandsOn) {
   EXPECT_THAT(run_hydrapod(as_csv).out, HasSubstr(",kinetic_base,elastic_base_mount\n"));
 }
 
-TEST(Modes, SayThatABaseWithoutInertiaHasNoModes) {
-  const auto result =
-      run_hydrapod({"modes", model_file("zhang-jiang-2021-transverse.toml"), "--model", "rigid",
-                    "--set", "base.mount={stiffness={x=1e8,ry=3.1e8}}"});
-  EXPECT_THAT(result.out,
-              HasSubstr("rigid-leg model, 6 modes (the base has no inertia: its mount is "
-                        "in series with the legs)\n"));
+TEST(Modes, GiveABaseWithoutInertiaCoordinates) {
+  EXPECT_THAT(run_hydrapod({"modes", model_file("zhang-jiang-2021-transverse.toml"), "--model",
+                            "rigid", "--set", "base.mount={stiffness={x=1e8,ry=3.1e8}}"})
+                  .out,
+              HasSubstr("rigid-leg model, 8 modes (2 coordinates of the base)\n"));
 }
 
 /// K φ = ω² M φ with the matrices and shapes of the JSON alone: all a reader has.

@@ -109,6 +109,31 @@ TEST_F(Reproduction, OfEveryMeasuredResultIsItsCommand) {
       ElementsAre(machine, "modes.csv"));
 }
 
+/// A record holds its command with all options, -o included, and the checksum of its machine file.
+TEST_F(Reproduction, OfARecordIsItsCommand) {
+  const std::vector<std::vector<std::string>> commands{
+      {"rig", machine, "--duration", "0.3", "--settling", "0.1", "--seed", "7", "-o", "run.h5"},
+      {"simulate", machine, "--command", "step z=1 mm", "--until", "0.2", "-o", "run.csv"}};
+  for (const auto& arguments : commands) {
+    ASSERT_EQ(run(arguments).exit_code, 0);
+    const std::string &output = arguments.back(), before = text(output);
+    const auto shown = run({"record", "show", output}).out;
+    EXPECT_THAT(shown, testing::AllOf(testing::HasSubstr("\ncommand: hydrapod " + arguments[0] +
+                                                         " 'it'\\''s a machine.toml' --"),
+                                      testing::HasSubstr(" -o " + output + "\n"),
+                                      testing::HasSubstr("\nread it's a machine.toml: sha256 " +
+                                                         sum_of(folder / machine) + "\n")));
+    fs::remove(folder / output);
+    const auto from = shown.find("hydrapod " + arguments[0]);
+    const auto line = shown.substr(from, shown.find('\n', from) - from);
+    const auto again =
+        test::run_program("sh", {"-c", "cd '" + folder.path().string() + "' && " +
+                                           test::hydrapod_program().string() + line.substr(8)});
+    EXPECT_EQ(again.exit_code, 0) << again.err;
+    EXPECT_EQ(text(output), before);
+  }
+}
+
 TEST_F(Reproduction, OfWhatIsPrintedIsItsCommand) {
   using testing::ElementsAre;
   EXPECT_THAT(paths(expect_printed_again({"simulate", machine, "--command", "step z=3.1 mm",

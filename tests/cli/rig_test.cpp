@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <sstream>
 
 #include "hydrapod/data/record_io.hpp"
 #include "support/run_program.hpp"
@@ -27,8 +29,10 @@ class Rig : public testing::Test {
 };
 
 TEST_F(Rig, TheSameSeedGivesTheSameFile) {
-  for (const char* name : {"a.h5", "b.h5"})
-    EXPECT_EQ(run({"--duration", "0.5", "--settling", "0.1", "-o", name}).exit_code, 0);
+  const std::vector<std::string> arguments{"--duration", "0.5", "--settling", "0.1", "-o", "a.h5"};
+  EXPECT_EQ(run(arguments).exit_code, 0);
+  std::filesystem::rename(file("a.h5"), file("b.h5"));  // the name stands in the record
+  EXPECT_EQ(run(arguments).exit_code, 0);
   EXPECT_EQ(run({"--duration", "0.5", "--settling", "0.1", "--seed", "2", "-o", "c.h5"}).exit_code,
             0);
   EXPECT_EQ(read_text(file("a.h5")), read_text(file("b.h5")));
@@ -43,7 +47,9 @@ TEST_F(Rig, TheSameSeedGivesTheSameFile) {
   EXPECT_EQ(e.pose_name, "neutral");
   EXPECT_THAT(e.program, testing::StartsWith("hydrapod "));
   EXPECT_THAT(e.command, testing::ElementsAre("rig", "machine.toml", "--duration", "0.5",
-                                              "--settling", "0.1"));
+                                              "--settling", "0.1", "-o", "a.h5"));
+  const auto sum = run_program("sha256sum", {file("machine.toml")}).out.substr(0, 64);
+  EXPECT_EQ(record.header.notes, "read machine.toml: sha256 " + sum);
   EXPECT_EQ(e.excitation->entry, "command");
   EXPECT_THAT(e.excitation->signals,
               testing::ElementsAre(HasSubstr("white x=0.1 mm, y=0.1 mm, z=0.1 mm, rx=0.1 mrad")));
@@ -51,6 +57,21 @@ TEST_F(Rig, TheSameSeedGivesTheSameFile) {
   EXPECT_FALSE(e.excitation->period);
   EXPECT_EQ(e.sensors.size(), 9U);
   EXPECT_THAT(e.controller, HasSubstr("sample_time=0.001 s"));
+}
+
+/// A record that is identified and diagnosed for one page.
+TEST_F(Rig, AReportSaysAWarningOnce) {
+  ASSERT_EQ(run({"--duration", "8", "-o", "a.h5"}).exit_code, 0);
+  const auto report = run_hydrapod({"report", file("machine.toml"), "--measured", file("a.h5"),
+                                    "--diagnose", file("a.h5"), "-o", file("a.html")},
+                                   {.timeout = 120.0});
+  EXPECT_EQ(report.exit_code, 0) << report.err;
+  std::istringstream lines(report.err);
+  std::vector<std::string> all;
+  for (std::string line; std::getline(lines, line);) all.push_back(line);
+  EXPECT_GT(all.size(), 1U) << "the record is short";
+  std::ranges::sort(all);
+  EXPECT_EQ(std::ranges::adjacent_find(all), all.end()) << report.err;
 }
 
 /// Its 39 channels are more than a picture holds.

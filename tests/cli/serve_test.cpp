@@ -9,6 +9,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -227,14 +228,15 @@ TEST_F(Serve, AShellClientMovesThePlatform) {
 
 TEST_F(Serve, AClientThatIsKilledLeavesThePlatformDownAndTheRecordReadable) {
   const auto port =
-      start({"--once", "--hold", "0.2", "--ramp", "0.3", "-o", "run.h5", "--format", "json"});
+      start({"--once", "--hold", "2", "--ramp", "0.3", "-o", "run.h5", "--format", "json"});
   {
+    // a client held up by a busy machine for less than the two seconds is no end
     Beside victim(
-        {"python3", source_file("examples/realtime/client.py").string(), "127.0.0.1", port},
+        {"python3", "-u", source_file("examples/realtime/client.py").string(), "127.0.0.1", port},
         folder.path(), "victim");
-    for (int k = 0; k < 1000 && victim.out().size() < 1; ++k)
+    const auto lines = [&] { return std::ranges::count(victim.out(), '\n'); };
+    for (int k = 0; k < 10'000 && lines() < 70; ++k)  // 0.7 s after its start
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
-    std::this_thread::sleep_for(std::chrono::milliseconds(700));
     victim.signal(SIGKILL);
     EXPECT_EQ(victim.wait(), 128 + SIGKILL);
   }
@@ -252,7 +254,8 @@ TEST_F(Serve, AClientThatIsKilledLeavesThePlatformDownAndTheRecordReadable) {
   EXPECT_NEAR(z[z.size() - 1], 0.0, 1e-4);
   const auto misses = record.samples.col(
       static_cast<Eigen::Index>(*data::find_channel(record.header, "serve.deadline_misses")));
-  EXPECT_EQ(misses[misses.size() - 1], result["deadline_misses"].get<double>());
+  // the sample in which the end is seen may miss its deadline too, and has no row
+  EXPECT_NEAR(misses[misses.size() - 1] + 0.5, result["deadline_misses"].get<double>(), 0.5);
   EXPECT_EQ(run({"record", "verify", "run.h5"}).exit_code, 0);
 }
 

@@ -56,6 +56,14 @@ TEST(Table, TooWideComesInPartsThatBeginWithTheFirstColumn) {
   EXPECT_EQ(table.text({false, 3}), table.text({false, 1})) << "never less than two columns";
 }
 
+TEST(Table, OfManyRowsShowsTheFirstOnesAndSaysHowManyAreLeft) {
+  Table table({"mode", "Hz"});
+  for (int k = 1; k <= 5; ++k) table.add_row({std::to_string(k), std::to_string(10 * k)});
+  EXPECT_EQ(table.text({.rows = 2}),
+            "mode  Hz\n   1  10\n   2  20\n… and 3 more rows; --all shows them\n");
+  EXPECT_EQ(table.text({.rows = 5}), table.text()) << "it just fits";
+}
+
 TEST(Table, OfOneColumnIsOnePart) {
   Table table({"<name"});
   table.add_row({"longer than the terminal"});

@@ -19,22 +19,22 @@ using testing::Contains;
 using testing::HasSubstr;
 using testing::Not;
 
-struct Read {
+struct ReadForeign {
   data::Record record{};
   std::vector<std::string> said{};
 };
 
-Read read(const std::string& path) {
+ReadForeign read_foreign(const std::string& path) {
   const auto [record, notes] = data::read_record(path);
-  Read all{.record = record};
+  ReadForeign all{.record = record};
   for (const auto& note : notes) all.said.push_back(note.message);
   return all;
 }
 
-Read table(const std::string& text) {
+ReadForeign table(const std::string& text) {
   const TemporaryFolder folder;
   write_text(folder / "t.csv", text);
-  return read(folder / "t.csv");
+  return read_foreign(folder / "t.csv");
 }
 
 TEST(ForeignChannels, UnitsAreThoseOfVibrations) {
@@ -113,7 +113,7 @@ TEST(ForeignChannels, TimesInHdf5WithoutAUnitThatMakeASlowRateAreNamed) {
       file.write("a1", H5T_NATIVE_DOUBLE, {values.size()}, values.data());
       if (!unit.empty()) file.attribute("time", "units", unit);
     }
-    const auto got = read(path);
+    const auto got = read_foreign(path);
     const auto slow = Contains(HasSubstr("taken for seconds, which makes 0.256 Hz"));
     if (unit.empty())
       EXPECT_THAT(got.said, slow);
@@ -164,7 +164,7 @@ void put_number(hid_t object, const char* name, double value) {
 }
 
 /// A table of three columns in an HDF5 file, as h5py makes it.
-Read table_in_hdf5(hid_t type, const std::vector<const char*>& units, const char* scale) {
+ReadForeign table_in_hdf5(hid_t type, const std::vector<const char*>& units, const char* scale) {
   const TemporaryFolder folder;
   const std::string path = folder / "t.h5";
   const hid_t file = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
@@ -180,7 +180,7 @@ Read table_in_hdf5(hid_t type, const std::vector<const char*>& units, const char
   H5Dclose(set);
   H5Sclose(space);
   H5Fclose(file);
-  return read(path);
+  return read_foreign(path);
 }
 
 TEST(ForeignChannels, AnHdf5TableHasAUnitForEachColumn) {
@@ -206,7 +206,7 @@ TEST(ForeignChannels, TwoUnitsThatContradictEachOtherAreSaid) {
     file.attribute("p", "unit", "bar");
     file.attribute("p", "units", "Pa");
   }
-  const auto list = read(folder / "p.h5");
+  const auto list = read_foreign(folder / "p.h5");
   EXPECT_EQ(list.record.header.channels[0].unit, "Pa");
   EXPECT_EQ(list.record.samples(1, 0), 3.5e5);
   EXPECT_THAT(list.said, Contains(HasSubstr("variable 'p' has the unit \"bar\" by its attribute "
@@ -220,7 +220,7 @@ TEST(ForeignChannels, TwoUnitsThatContradictEachOtherAreSaid) {
     put_texts(set, "units", {"bar", "N"});
     H5Dclose(set);
   }
-  const auto table = read(folder / "t.h5");
+  const auto table = read_foreign(folder / "t.h5");
   EXPECT_EQ(table.record.samples(1, 0), 2e5);
   EXPECT_EQ(table.record.samples(1, 1), 0.25);
   EXPECT_THAT(table.said, Contains(HasSubstr("\"N\" by 'units': 'units' is used")));
@@ -231,7 +231,7 @@ TEST(ForeignChannels, TwoUnitsThatContradictEachOtherAreSaid) {
     file.attribute("p", "unit", "bar");
     file.attribute("p", "units", "bar");
   }
-  EXPECT_THAT(read(folder / "s.h5").said, Not(Contains(HasSubstr("by 'units'"))));
+  EXPECT_THAT(read_foreign(folder / "s.h5").said, Not(Contains(HasSubstr("by 'units'"))));
 }
 
 TEST(ForeignChannels, CountsWithAScaleAreSaidToBeCounts) {

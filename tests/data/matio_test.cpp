@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "hydrapod/data/record_io.hpp"
+#include "mat_variables.hpp"
 #include "sample_record.hpp"
 #include "support/run_program.hpp"
 
@@ -14,15 +15,6 @@ namespace hydrapod::test {
 namespace {
 
 using data::RecordFormat;
-
-struct CloseMat {
-  void operator()(mat_t* file) const { Mat_Close(file); }
-};
-struct FreeVariable {
-  void operator()(matvar_t* variable) const { Mat_VarFree(variable); }
-};
-using MatFile = std::unique_ptr<mat_t, CloseMat>;
-using Variable = std::unique_ptr<matvar_t, FreeVariable>;
 
 std::string narrow(const matvar_t* text) {
   std::string all;

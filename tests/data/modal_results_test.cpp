@@ -3,13 +3,13 @@
 #include "hydrapod/data/modal_results.hpp"
 
 #include <gmock/gmock.h>
-#include <matio.h>
 
 #include <map>
 #include <memory>
 #include <sstream>
 
 #include "hydrapod/data/record_io.hpp"
+#include "mat_variables.hpp"
 #include "support/run_program.hpp"
 
 namespace hydrapod::data {
@@ -319,13 +319,6 @@ TEST(ModalResults, LinesBehindBinaryDataHaveNoNumber) {
   EXPECT_EQ(refused(binary + mode), path + ": " + problem);
 }
 
-struct CloseMat {
-  void operator()(mat_t* file) const { Mat_Close(file); }
-};
-struct FreeVariable {
-  void operator()(matvar_t* variable) const { Mat_VarFree(variable); }
-};
-
 TEST(MatVariables, AreReadByMatio) {
   const test::TemporaryFolder folder;
   std::vector<Eigen::MatrixXcd> pages(3, Eigen::MatrixXcd(2, 4));
@@ -336,12 +329,9 @@ TEST(MatVariables, AreReadByMatio) {
   write_mat_variables(folder / "all.mat", {mat_pages("H", pages), mat_array("M", real),
                                            mat_list("names", {"y1", "größe"}),
                                            mat_text("title", "a run"), mat_number("rate", 0.1)});
-  const std::unique_ptr<mat_t, CloseMat> file(
-      Mat_Open((folder / "all.mat").c_str(), MAT_ACC_RDONLY));
+  const test::MatFile file(Mat_Open((folder / "all.mat").c_str(), MAT_ACC_RDONLY));
   ASSERT_TRUE(file);
-  const auto read = [&](const char* name) {
-    return std::unique_ptr<matvar_t, FreeVariable>(Mat_VarRead(file.get(), name));
-  };
+  const auto read = [&](const char* name) { return test::Variable(Mat_VarRead(file.get(), name)); };
   const auto H = read("H");
   ASSERT_TRUE(H);
   ASSERT_EQ(H->rank, 3);

@@ -14,7 +14,7 @@
 namespace hydrapod::test {
 namespace {
 
-constexpr double fs = 512.0;
+constexpr double octave_rate = 512.0;
 constexpr Eigen::Index samples = 700;
 constexpr double ulps = 4e-16;  // Octave's sin and ours may differ in the last bit
 
@@ -28,7 +28,7 @@ std::vector<std::string> names(const data::Record& record) {
   return list;
 }
 
-double time(Eigen::Index k) { return static_cast<double>(k) / fs; }
+double time(Eigen::Index k) { return static_cast<double>(k) / octave_rate; }
 double x(Eigen::Index k) { return 1e-3 * std::sin(2.0 * std::numbers::pi * 17.25 * time(k)); }
 
 class Columns : public testing::TestWithParam<const char*> {};
@@ -39,7 +39,7 @@ TEST_P(Columns, AreChannelsOfTheLengthOfTheTimes) {
               testing::ElementsAre("roles by the names and units of the channels: excitation: "
                                    "forces 1, forces 2, forces 3; other: x, y, counts; --inputs "
                                    "and --outputs name others"));
-  EXPECT_EQ(record.header.sample_rate, fs);
+  EXPECT_EQ(record.header.sample_rate, octave_rate);
   EXPECT_EQ(record.header.start, 0.0);
   EXPECT_THAT(names(record),
               testing::ElementsAre("x", "y", "counts", "forces 1", "forces 2", "forces 3"));
@@ -84,7 +84,7 @@ TEST_P(Structures, AreOpenedAndTheRestIsNamed) {
   EXPECT_THAT(messages(notes),
               testing::ElementsAre("variable 's' is of class 5, which is not read: left out",
                                    "variable 'z' is complex; its imaginary part is left out"));
-  EXPECT_EQ(record.header.sample_rate, fs);  // from rig.dt
+  EXPECT_EQ(record.header.sample_rate, octave_rate);  // from rig.dt
   EXPECT_THAT(names(record),
               testing::ElementsAre("rig.channels 1", "rig.channels 2", "rig.channels 3", "z"));
   ASSERT_EQ(record.samples.rows(), samples);
@@ -101,7 +101,7 @@ TEST(OctaveFiles, RowVectorsAreChannelsToo) {
   const auto [record, notes] = octave("row_vectors_v6.mat");
   EXPECT_THAT(messages(notes), testing::ElementsAre("variable 'odd' is 3 × 5 and not of the "
                                                     "record's length of 700: left out"));
-  EXPECT_EQ(record.header.sample_rate, fs);
+  EXPECT_EQ(record.header.sample_rate, octave_rate);
   ASSERT_EQ(record.samples.rows(), samples);
   for (Eigen::Index k = 0; k < samples; ++k) EXPECT_NEAR(record.samples(k, 0), x(k), ulps);
 }

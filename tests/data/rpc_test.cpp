@@ -26,7 +26,7 @@ data::ReadRecordResult read_bytes(const std::string& bytes) {
   return data::read_record(folder / "r.rsp");
 }
 
-std::string refusal(const std::string& bytes) {
+std::string refusal_of_bytes(const std::string& bytes) {
   return refusal_of([&] { read_bytes(bytes); }).message;
 }
 
@@ -157,7 +157,7 @@ TEST(Rpc, RunsAtFullScaleOfASlowTopAndOfHeldSamplesAreNone) {
 TEST(Rpc, DamagedHeadersNameKeyPlaceAndWhatIsAccepted) {
   const RpcKeys keys = rpc_shorts_keys();
   const auto with = [&](const std::string& key, const std::string& value) {
-    return refusal(rpc_with(keys, key, value));
+    return refusal_of_bytes(rpc_with(keys, key, value));
   };
   EXPECT_EQ(with("PTS_PER_FRAME", "two"),
             "PTS_PER_FRAME = \"two\" (byte 800): expected is a whole number from 1 to 1073741824");
@@ -171,11 +171,11 @@ TEST(Rpc, DamagedHeadersNameKeyPlaceAndWhatIsAccepted) {
   EXPECT_THAT(with("SCALE.CHAN_2", "x"), HasSubstr("SCALE.CHAN_2 = \"x\""));
   RpcKeys fewer = keys;
   std::erase_if(fewer, [](const auto& key) { return key.first == "DELTA_T"; });
-  EXPECT_THAT(refusal(rpc_header("BINARY", fewer) + rpc_shorts_data()),
+  EXPECT_THAT(refusal_of_bytes(rpc_header("BINARY", fewer) + rpc_shorts_data()),
               HasSubstr("the header has no key DELTA_T"));
-  EXPECT_THAT(refusal(rpc_header("ASCII", keys) + rpc_shorts_data()),
+  EXPECT_THAT(refusal_of_bytes(rpc_header("ASCII", keys) + rpc_shorts_data()),
               HasSubstr("FORMAT = \"ASCII\" (byte 32): read are BINARY_IEEE_LITTLE_END"));
-  EXPECT_THAT(refusal(rpc_header("BINARY", keys).substr(0, 700)),
+  EXPECT_THAT(refusal_of_bytes(rpc_header("BINARY", keys).substr(0, 700)),
               HasSubstr("cut off within its header: NUM_HEADER_BLOCKS = 7 are 3584 bytes"));
 }
 
@@ -191,12 +191,13 @@ TEST(Rpc, OfACutFileTheWholeGroupsAreRead) {
 
 TEST(Rpc, CutOrChangedAnywhereItIsReadOrRefused) {
   const std::string whole = rpc_header("BINARY", rpc_shorts_keys()) + rpc_shorts_data();
-  for (std::size_t size = 1; size < whole.size(); size += 13) refusal(whole.substr(0, size));
+  for (std::size_t size = 1; size < whole.size(); size += 13)
+    refusal_of_bytes(whole.substr(0, size));
   for (std::size_t at = 0; at < whole.size(); at += 7)
     for (const char change : {'\x80', '\x15', '\x01'}) {
       std::string changed = whole;
       changed[at] = static_cast<char>(changed[at] ^ change);
-      refusal(changed);
+      refusal_of_bytes(changed);
     }
 }
 

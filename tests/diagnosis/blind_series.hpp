@@ -102,6 +102,13 @@ inline const diagnosis::Hypothesis* find(const diagnosis::Diagnosis& d, const st
   return found == d.hypotheses.end() ? nullptr : &*found;
 }
 
+/// Of the hypotheses that explain the measurement equally well.
+inline std::vector<std::string> names_of(const diagnosis::Diagnosis& d) {
+  std::vector<std::string> names;
+  for (const auto k : d.equivalent) names.push_back(report::hypothesis_name(d, d.hypotheses[k]));
+  return names;
+}
+
 /// What is written of a diagnosis is read.
 inline void expect_round_trip_of(const diagnosis::CaseFile& file) {
   expect_round_trip(report::diagnosis_json(file), report::diagnosis_from_json,

@@ -12,12 +12,7 @@ namespace {
 
 using dynamics::ModelKind;
 using test::BlindCase;
-
-std::vector<std::string> names_of(const Diagnosis& d) {
-  std::vector<std::string> names;
-  for (const auto k : d.equivalent) names.push_back(report::hypothesis_name(d, d.hypotheses[k]));
-  return names;
-}
+using test::names_of;
 
 /// The heavy machine with seals of rubber under 4.1 m/s².
 model::MachineFile heavy(const std::string& fault) {
@@ -42,7 +37,7 @@ model::MachineFile weightless(const std::string& fault) {
 constexpr const char* nothing = "name=\"as stated\"";
 using Make = model::MachineFile (*)(const std::string& fault);
 
-/// Damped modes that the platform feels, with noise of frequencies, dampings and shapes.
+/// Damped modes that move the platform, with noise of frequencies, damping ratios and shapes.
 observation::Targets damped_modes(const model::Machine& machine) {
   constexpr double noise = 5e-4, damping_noise = 0.03, shape_noise = 0.02, least_energy = 0.02;
   constexpr double most_damped = 0.08;  // shapes of others are complex
@@ -80,16 +75,22 @@ std::string words_of(const Diagnosis& d) {
   return test::verdict(d) + testing::PrintToString(report::reason_words(d));
 }
 
+/// The parameter of a hypothesis, and its standard deviation, which is below `most`.
+void expect_found(const Diagnosis& d, const char* name, double value, double most) {
+  const auto* hypothesis = test::find(d, name);
+  ASSERT_NE(hypothesis, nullptr);
+  const auto& found = hypothesis->fit.parameters[0];
+  EXPECT_NEAR(found.value, value, 3.0 * found.deviation);
+  EXPECT_LT(found.deviation, most);
+}
+
 /// Seals are stiffer at a frequency because they are stiffer or because they stiffen more:
 /// frequencies do not tell which.
 TEST(Elastomers, AreTiedWithSleevesByFrequenciesWithoutWeight) {
   const auto d = of_fault(weightless, "legs.guide_sleeve.elastomer.dynamic_ratio=2.19", false);
   EXPECT_EQ(d.finding, Finding::undecided) << words_of(d);
   EXPECT_THAT(names_of(d), testing::UnorderedElementsAre(of_ratio, of_sleeves)) << words_of(d);
-  const auto* ratio = test::find(d, of_ratio);
-  ASSERT_NE(ratio, nullptr);
-  EXPECT_NEAR(ratio->fit.parameters[0].value, 2.19, 3.0 * ratio->fit.parameters[0].deviation);
-  EXPECT_LT(ratio->fit.parameters[0].deviation, 0.05);
+  expect_found(d, of_ratio, 2.19, 0.05);
   test::expect_round_trip_of({.diagnosis = d});
 }
 
@@ -97,19 +98,14 @@ TEST(Elastomers, AreTiedWithSleevesByFrequenciesWithoutWeight) {
 TEST(Elastomers, AreToldFromSleevesByWeight) {
   const auto d = of_fault(heavy, "legs.guide_sleeve.elastomer.dynamic_ratio=1.193", false);
   EXPECT_THAT(names_of(d), testing::ElementsAre(of_ratio)) << words_of(d);
-  const auto* ratio = test::find(d, of_ratio);
-  ASSERT_NE(ratio, nullptr);
-  EXPECT_NEAR(ratio->fit.parameters[0].value, 1.193, 3.0 * ratio->fit.parameters[0].deviation);
-  EXPECT_LT(ratio->fit.parameters[0].deviation, 0.05);
+  expect_found(d, of_ratio, 1.193, 0.05);
 }
 
 /// Loss is damping.
-TEST(Elastomers, LoseWhatDampingsShow) {
+TEST(Elastomers, LoseWhatDampingRatiosShow) {
   const auto d = of_fault(heavy, "legs.guide_sleeve.elastomer.loss_factor=0.53", true);
   EXPECT_THAT(names_of(d), testing::ElementsAre(of_loss)) << words_of(d);
-  const auto* loss = test::find(d, of_loss);
-  ASSERT_NE(loss, nullptr);
-  EXPECT_NEAR(loss->fit.parameters[0].value, 0.53, 3.0 * loss->fit.parameters[0].deviation);
+  expect_found(d, of_loss, 0.53, 0.05);
 }
 
 TEST(Elastomers, AsStatedAreNotBlamed) {

@@ -91,7 +91,8 @@ TEST(Unexplained, HasTheReasonThatTheWordsGive) {
   auto held = of_eight(0.7);
   auto& number = held.hypotheses[0].fit.parameters[0];
   number = {.paths = {"platform.mass"}, .unit = "kg", .verdict = calibration::Verdict::at_bound};
-  expect_reason(held, Unexplained::at_bound, "limit of what can be built (platform.mass 0 kg");
+  expect_reason(held, Unexplained::at_bound,
+                "a parameter at the bound of its range (platform.mass 0 kg");
   auto scattered = of_eight(0.7);
   scattered.scatter = 2.31;
   expect_reason(scattered, Unexplained::scatter, "differs from the measured values by 2.3 σ");

@@ -104,13 +104,21 @@ inline std::vector<Fault> faults_of(const model::MachineFile& file, const Sizes&
        {"oil spring of leg 4", "mass centre"},
        "oil × 0.55, " + moved(1.2, 0.0, 0.0)},
   };
-  if (!cylinder) return faults;
+  const Fault oil_in_line{
+      {set("leg.4.added_axial_inertia", m.legs[3].added_axial_inertia + 0.12 * mass)},
+      {"oil in the lines of leg 4"},
+      "12 % of the platform's mass"};
+  if (!cylinder) {
+    faults.push_back(oil_in_line);
+    return faults;
+  }
   faults.push_back(
       {{"legs.oil_spring.cylinder.air.fraction=0.12"}, {"entrained air in all legs"}, "12 %"});
   faults.push_back({{set("leg.1.oil_spring.cylinder.cap_line_volume",
                          8.0 * leg.oil_spring.cylinder->cap_line_volume)},
                     {"cap-side chamber or line volume of leg 1"},
                     "line × 8"});
+  faults.push_back(oil_in_line);
   return faults;
 }
 

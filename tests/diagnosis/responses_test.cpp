@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <numbers>
 
+#include "hydrapod/diagnosis/overlays.hpp"
 #include "hydrapod/kinematics/legs.hpp"
 #include "hydrapod/observation/observation.hpp"
 #include "support/calibration_machine.hpp"
@@ -328,6 +329,72 @@ TEST(ChosenLines, OfForcesTrustLittleBesideAPeak) {
                          static_cast<double>(std::min(some.s.size(), measured.modes.size()));
     EXPECT_NEAR(some.deviation[k][0], std::sqrt(6.0 * share * (error * error + off * off)), 1e-12);
   }
+}
+
+/// What the machine that was measured predicts is what was measured: direct responses of forces,
+/// which stand as they are.
+TEST(ResponseOverlays, OfForcesAreThoseOfTheMachineThatWasMeasured) {
+  const auto file = heavy();
+  auto measured = modes_of(file.machine);
+  measured.observed = Observed::mechanics;
+  const auto responses = forced(file.machine, at.point);
+  measured.responses.push_back(*measured_responses(responses, file.machine, at));
+  Diagnosis found;
+  found.hypotheses.push_back({.kind = dynamics::ModelKind::guide});
+  found.hypotheses.push_back({.rigid = true, .kind = dynamics::ModelKind::rigid});
+  const auto overlays =
+      response_overlays(file, measured, dynamics::ModelKind::guide, found, {0, 1}, 40);
+  ASSERT_EQ(overlays.size(), 1U);
+  const auto& overlay = overlays[0];
+  EXPECT_TRUE(overlay.direct);
+  EXPECT_FALSE(overlay.scaled);
+  ASSERT_EQ(overlay.curves.size(), 6U);
+  ASSERT_GT(overlay.omega.size(), 20U);
+  EXPECT_LE(overlay.omega.size(), 40U);
+  for (const auto& curve : overlay.curves) {
+    double rigid_off = 0.0;
+    for (std::size_t k = 0; k < overlay.omega.size(); ++k) {
+      EXPECT_NEAR(curve.predicted[0][k], curve.measured[k], 1e-9 * curve.measured[k]);
+      const auto line =
+          std::ranges::min_element(
+              responses.frequency, {},
+              [&](double hertz) { return std::abs(two_pi * hertz - overlay.omega[k]); }) -
+          responses.frequency.begin();
+      const double displacement =
+          std::abs(responses.H[static_cast<std::size_t>(line)](curve.direction, curve.direction)) /
+          (overlay.omega[k] * overlay.omega[k]);
+      EXPECT_NEAR(curve.measured[k], displacement, 1e-9 * displacement);
+      rigid_off = std::max(rigid_off, std::abs(curve.predicted[1][k] / curve.measured[k] - 1.0));
+    }
+    EXPECT_GT(rigid_off, 5e-3) << curve.direction;  // with rigid legs it is another machine
+  }
+}
+
+/// What a valve makes of a drive is one factor for each curve; and what the observed system has no
+/// input for, or a machine by mechanics alone, has no prediction.
+TEST(ResponseOverlays, OfValvesArePredictedUpToAFactor) {
+  const auto file = heavy();
+  auto measured = modes_of(file.machine);
+  measured.observed = Observed::plant;
+  auto responses = measured_on(file.machine);
+  for (auto& H : responses.H) H *= 3.7;
+  measured.responses.push_back(*measured_responses(responses, file.machine, at));
+  Diagnosis found;
+  found.hypotheses.push_back({.kind = dynamics::ModelKind::guide});
+  found.hypotheses.push_back({.kind = dynamics::ModelKind::guide, .by_mechanics = true});
+  const auto overlays =
+      response_overlays(file, measured, dynamics::ModelKind::guide, found, {0, 1});
+  ASSERT_EQ(overlays.size(), 1U);
+  EXPECT_FALSE(overlays[0].direct);
+  EXPECT_TRUE(overlays[0].scaled);
+  for (const auto& curve : overlays[0].curves) {
+    ASSERT_EQ(curve.predicted.size(), 2U);
+    EXPECT_TRUE(curve.predicted[1].empty());
+    for (std::size_t k = 0; k < curve.measured.size(); ++k)
+      EXPECT_NEAR(curve.predicted[0][k], curve.measured[k], 1e-9 * curve.measured[k]);
+  }
+  measured.observed = Observed::system;
+  EXPECT_TRUE(response_overlays(file, measured, dynamics::ModelKind::guide, found, {0}).empty());
 }
 
 }  // namespace

@@ -10,12 +10,7 @@ namespace {
 
 using dynamics::ModelKind;
 using test::BlindCase;
-
-std::vector<std::string> names_of(const Diagnosis& d) {
-  std::vector<std::string> names;
-  for (const auto k : d.equivalent) names.push_back(report::hypothesis_name(d, d.hypotheses[k]));
-  return names;
-}
+using test::names_of;
 
 /// Seals so stiff that the rods bend about as much: rods of 63.7 mm instead of 70 mm.
 const std::vector<std::string> elastic{"legs.bending=elastic", "legs.guide_sleeve.stiffness=3.7e6"};

@@ -25,8 +25,8 @@ using model::Machine;
 
 /// Seen: 1e-14 with rigid legs, 7e-12 with bent ones, whose transverse axes MuJoCo approaches with
 /// an axial inertia of 1e-13 kg m².
-constexpr double tolerance = 1e-10;
-constexpr int machine_count = 50;
+constexpr double motion_tolerance = 1e-10;
+constexpr int moving_machines = 50;
 constexpr int states_per_machine = 20;
 
 /// The flexible coordinates of a leg as seen in MuJoCo's motion of its bodies, in a frame on
@@ -232,7 +232,7 @@ TEST_P(LargeMotion, AccelerationsAreThoseOfMujoco) {
   Random random(20261120);
   double worst = 0.0;
   int closed = 0;
-  for (int k = 0; k < machine_count; ++k) {
+  for (int k = 0; k < moving_machines; ++k) {
     const auto machine = random_machine(random, {.axes = axes, .gravity = Gravity::anywhere});
     const NonlinearModel model(machine, kind);
     PistonAxes piston_axes;
@@ -242,14 +242,14 @@ TEST_P(LargeMotion, AccelerationsAreThoseOfMujoco) {
       const auto result = compare(model, moving, random);
       if (!result.closed) continue;
       ++closed;
-      EXPECT_LE(result.platform, tolerance) << "machine " << k << ", state " << state;
-      EXPECT_LE(result.flexible, tolerance) << "machine " << k << ", state " << state;
-      EXPECT_LE(result.momentum, tolerance) << "machine " << k << ", state " << state;
-      EXPECT_LE(result.inertia, tolerance) << "machine " << k << ", state " << state;
+      EXPECT_LE(result.platform, motion_tolerance) << "machine " << k << ", state " << state;
+      EXPECT_LE(result.flexible, motion_tolerance) << "machine " << k << ", state " << state;
+      EXPECT_LE(result.momentum, motion_tolerance) << "machine " << k << ", state " << state;
+      EXPECT_LE(result.inertia, motion_tolerance) << "machine " << k << ", state " << state;
       worst = std::max({worst, result.platform, result.flexible});
     }
   }
-  EXPECT_GE(closed, 9 * machine_count * states_per_machine / 10);
+  EXPECT_GE(closed, 9 * moving_machines * states_per_machine / 10);
   RecordProperty("states", closed);
   RecordProperty("worst_relative_error", fmt::format("{:.1e}", worst));
 }

@@ -1,11 +1,10 @@
 #!/usr/bin/env python3
 """MJCF files of `hydrapod export` in MuJoCo (Debian's library, by ctypes): rest, frequencies, free motion.
 
-usage: mujoco_check.py PROGRAM MODELS
+usage: mujoco_check.py PROGRAM MODELS ARRAYS     (the shared object of mujoco_arrays.c)
 
-MuJoCo's state is set by key frames of the file and read from its printed data, so nothing here depends on
-the layout of its structs. Stiffness: differences of fourth order of its generalised force along the
-constraint manifold. What is compared with: M and K of `export --to mtx`, A of `export --to npz`.
+Stiffness: differences of fourth order of its generalised force along the constraint manifold. What is compared with:
+M and K of `export --to mtx`, A of `export --to npz`.
 """
 import ctypes
 import os
@@ -28,14 +27,12 @@ failures = []
 WITHOUT_GRAVITY, WITH_GRAVITY = 1e-6, 1e-4  # of frequencies; of their squares twice that
 MOTION = 1e-4  # of the largest displacement, over 1 s
 
-library = ctypes.CDLL("libmujoco.so")
+library = ctypes.CDLL(os.path.abspath(sys.argv[3]))  # MuJoCo's own functions are found through it
 pointer = ctypes.c_void_p
-for function in (library.mj_fwdPosition, library.mj_fwdVelocity, library.mj_step):
-    function.argtypes = [pointer, pointer]
 library.mj_loadXML.restype = library.mj_makeData.restype = pointer
-library.mj_makeData.argtypes = library.mj_deleteData.argtypes = library.mj_deleteModel.argtypes = [pointer]
-library.mj_resetDataKeyframe.argtypes = [pointer, pointer, ctypes.c_int]
-library.mj_printFormattedData.argtypes = [pointer, pointer, ctypes.c_char_p, ctypes.c_char_p]
+for function in ("mj_makeData", "mj_deleteData", "mj_deleteModel", "mj_step", "sizes", "place", "positions",
+                 "mass", "force", "constraints"):
+    getattr(library, function).argtypes = [pointer] * 4
 
 
 class Loaded:
@@ -47,31 +44,44 @@ class Loaded:
         self.model = library.mj_loadXML(path.encode(), None, error, len(error))
         if not self.model or error.value:
             raise SystemExit("MuJoCo: " + error.value.decode())
-        self.data = library.mj_makeData(self.model)
+        self.data = library.mj_makeData(self.model, None, None, None)
+        self.nv = self.sizes()[1]
 
     def __del__(self):
-        library.mj_deleteData(self.data)
-        library.mj_deleteModel(self.model)
+        library.mj_deleteData(self.data, None, None, None)
+        library.mj_deleteModel(self.model, None, None, None)
 
-    def arrays(self):
-        """Everything in mjData by its name."""
-        library.mj_fwdPosition(self.model, self.data)
-        library.mj_fwdVelocity(self.model, self.data)
-        path = os.path.join(folder.name, "data.txt")
-        library.mj_printFormattedData(self.model, self.data, path.encode(), b"% -26.17g")
-        found, name = {}, None
-        for line in open(path):
-            words = line.split()
-            if words and re.match("[A-Za-z_]", words[0]) and words[0] not in ("nan", "inf"):
-                name, words = words[0], words[1:]
-                found[name] = []
-            if name and words:
-                found[name].append(words)
-        return found
+    def _filled(self, function, *shapes):
+        arrays = [np.zeros(shape) for shape in shapes]
+        function(self.model, self.data, *(x.ctypes.data for x in arrays), *[None] * (2 - len(shapes)))
+        return arrays
 
+    def sizes(self):
+        counts = (ctypes.c_int * 3)()
+        library.sizes(self.model, self.data, counts, None)
+        return list(counts)
 
-def numbers(arrays, name):
-    return np.array([[float(x) for x in row] for row in arrays[name] if re.match("[-0-9.]|nan", row[0])])
+    def place(self, q, v=None):
+        q, v = np.array(q, float), np.zeros(self.nv) if v is None else np.array(v, float)
+        library.place(self.model, self.data, q.ctypes.data, v.ctypes.data)
+
+    def step(self):
+        library.mj_step(self.model, self.data, None, None)
+
+    def positions(self):
+        return self._filled(library.positions, self.sizes()[0])[0]
+
+    def mass(self):
+        return self._filled(library.mass, (self.nv, self.nv))[0]
+
+    def force(self):
+        return self._filled(library.force, self.nv)[0]
+
+    def constraints(self):
+        """Jacobian and gaps."""
+        rows = self.sizes()[2]
+        transposed, gaps = self._filled(library.constraints, (self.nv, rows), rows)
+        return transposed.T, gaps
 
 
 def moved(q, v):
@@ -87,30 +97,20 @@ def moved(q, v):
     return r
 
 
-def joined(values):
-    return " ".join(repr(float(x)) for x in values)
-
-
 class Manifold:
     """Loops are closed by two hinges at the base and the slide of each leg."""
 
     def __init__(self, xml):
-        self.xml = xml
-        rest = Loaded(xml).arrays()
-        self.q0, nv = numbers(rest, "QPOS").ravel(), len(numbers(rest, "QVEL"))
-        per_leg = (nv - 6) // 6
-        self.nv = nv
+        self.at = at = Loaded(xml)
+        self.q0, self.nv = at.positions(), at.nv
+        at.place(self.q0)
+        per_leg = (at.nv - 6) // 6
         self.dependent = [6 + leg * per_leg + k for leg in range(6) for k in range(3)]
-        self.free = [i for i in range(nv) if i not in self.dependent]
-        M = np.tril(numbers(rest, "QM"))
-        self.N0 = self.allowed(numbers(rest, "EFC_J"))
-        self.M = self.N0.T @ (M + M.T - np.diag(np.diag(M))) @ self.N0
-        force = self.force(rest)
+        self.free = [i for i in range(at.nv) if i not in self.dependent]
+        self.N0 = self.allowed(at.constraints()[0])
+        self.M = self.N0.T @ at.mass() @ self.N0
+        force = at.force()
         self.unbalanced = np.abs(self.N0.T @ force).max() / max(np.abs(force).max(), 1.0)
-
-    @staticmethod
-    def force(arrays):
-        return (numbers(arrays, "QFRC_PASSIVE") - numbers(arrays, "QFRC_BIAS")).ravel()
 
     def allowed(self, J):
         N = np.zeros((self.nv, len(self.free)))
@@ -118,31 +118,27 @@ class Manifold:
         N[self.dependent] = -np.linalg.solve(J[:, self.dependent], J[:, self.free])
         return N
 
-    def stiffness(self, h=1e-3):
-        places = []
-        for i in self.free:
-            for c in (1, -1, 2, -2):
-                v = np.zeros(self.nv)
-                v[i] = c * h
-                places.append(moved(self.q0, v))
+    def force_after(self, v):
+        """Generalised force along the manifold after the motion v of the free coordinates."""
+        q = moved(self.q0, v)
         for _ in range(5):  # Newton closes the loops
-            keys = "".join(f"<key qpos='{joined(q)}'/>" for q in places)
-            at = Loaded(self.xml.replace("</mujoco>", f"<keyframe>{keys}</keyframe></mujoco>"))
-            forces, gap = [], 0.0
-            for k in range(len(places)):
-                library.mj_resetDataKeyframe(at.model, at.data, k)
-                arrays = at.arrays()
-                J, error = numbers(arrays, "EFC_J"), numbers(arrays, "EFC_POS").ravel()
-                forces.append(self.allowed(J).T @ self.force(arrays))
-                v = np.zeros(self.nv)
-                v[self.dependent] = -np.linalg.solve(J[:, self.dependent], error)
-                places[k] = moved(places[k], v)
-                gap = max(gap, np.abs(error).max())
-            if gap < 1e-14:
+            self.at.place(q)
+            J, gaps = self.at.constraints()
+            if np.abs(gaps).max() < 1e-14:
                 break
-        f = np.array(forces).reshape(len(self.free), 4, -1)
-        K = -(8 * (f[:, 0] - f[:, 1]) - (f[:, 2] - f[:, 3])) / (12 * h)
-        return 0.5 * (K + K.T)
+            v = np.zeros(self.nv)
+            v[self.dependent] = -np.linalg.solve(J[:, self.dependent], gaps)
+            q = moved(q, v)
+        return self.allowed(J).T @ self.at.force()
+
+    def stiffness(self, h=1e-3):
+        K = []
+        for i in self.free:
+            unit = np.zeros(self.nv)
+            unit[i] = h
+            f = [self.force_after(c * unit) for c in (1, -1, 2, -2)]
+            K.append((8 * (f[1] - f[0]) - (f[3] - f[2])) / (12 * h))
+        return 0.5 * (np.array(K) + np.transpose(K))
 
 
 def export(model, to, *more):
@@ -179,9 +175,8 @@ def free_motion(model, *more):
     v = np.zeros(at.nv)
     v[:6] = np.array([1.3, -0.7, 0.4, 0.3, 0.5, -0.2]) * 1e-6  # far below where it is nonlinear
     v = at.N0 @ v[at.free]
-    key = f"<keyframe><key qpos='{joined(at.q0)}' qvel='{joined(v)}'/></keyframe></mujoco>"
-    run = Loaded(xml.replace("</mujoco>", key))
-    library.mj_resetDataKeyframe(run.model, run.data, 0)
+    run = Loaded(xml)
+    run.place(at.q0, v)
     p_PC = np.array([float(x) for x in re.search("<inertial pos='([^']*)' quat", xml)[1].split()])
     step = float(re.search("timestep='([^']*)'", xml)[1])
     n = len(A) // 2
@@ -190,10 +185,10 @@ def free_motion(model, *more):
     power, errors, sizes = scipy.linalg.expm(A * step), [], []
     steps = round(1.0 / step)
     for k in range(1, steps + 1):
-        library.mj_step(run.model, run.data)
+        run.step()
         x = power @ x
         if k % (steps // 50) == 0:
-            q = numbers(run.arrays(), "QPOS").ravel()
+            q = run.positions()
             turn = 2 * np.sign(q[3]) * q[4:7]
             errors.append(np.abs(q[:3] - at.q0[:3] + np.cross(turn, p_PC) - x[:3]).max())
             sizes.append(np.abs(x[:3]).max())

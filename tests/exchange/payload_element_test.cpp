@@ -257,6 +257,33 @@ TEST(PayloadElement, ThatIsNoneIsRefused) {
   EXPECT_THAT(refusal(light), HasSubstr("not positive definite"));
 }
 
+/// Two masses on springs at 6.0 and 6.2 Hz with a damper between them: a payload's modes cannot
+/// hold it, and it is said.
+TEST(PayloadElement, DampersBetweenModesAreNamed) {
+  constexpr double masses[]{83.0, 71.0}, hertz[]{6.0, 6.2}, damper = 37.0;
+  PayloadElement element{MatrixXd::Zero(8, 8), MatrixXd::Zero(8, 8), MatrixXd::Zero(8, 8)};
+  element.M.diagonal().head<6>() << 11.0, 11.0, 11.0, 3.0, 5.0, 7.0;
+  MatrixXd to = MatrixXd::Zero(2, 8);  // offsets of the springs
+  for (int k = 0; k < 2; ++k) {
+    to(k, k) = -1.0;
+    to(k, 6 + k) = 1.0;
+    element.M(6 + k, 6 + k) = masses[k];
+    const double omega = base::two_pi * hertz[k];
+    element.K += masses[k] * omega * omega * to.row(k).transpose() * to.row(k);
+  }
+  const Eigen::RowVectorXd between = to.row(1) - to.row(0);
+  element.C = damper * between.transpose() * between;
+  const auto coupling = exchange::payload_modes(element, {}).coupling;
+  const double a = base::two_pi * hertz[0], b = base::two_pi * hertz[1];
+  EXPECT_NEAR(coupling.share, damper / std::sqrt(masses[0] * masses[1]) * b / (b * b - a * a),
+              1e-9);
+  EXPECT_NEAR(coupling.omega, b, 1e-9 * b);
+  EXPECT_NEAR(coupling.other, a, 1e-9 * a);
+  element.C = MatrixXd::Zero(8, 8);
+  for (int k = 0; k < 2; ++k) element.C += 41.0 * to.row(k).transpose() * to.row(k);
+  EXPECT_LT(exchange::payload_modes(element, {}).coupling.share, 1e-12);
+}
+
 std::string refusal_to_attach(const model::MachineFile& file, int modes) {
   try {
     (void)tasks::attach_payload({.file = file, .pose = file.machine.poses[0]}, {.modes = modes});

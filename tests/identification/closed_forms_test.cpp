@@ -5,9 +5,9 @@
 
 #include <cmath>
 #include <memory>
-#include <numbers>
 
 #include "exact/modal_system.hpp"
+#include "hydrapod/base/units.hpp"
 #include "hydrapod/identification/cross_check.hpp"
 #include "hydrapod/identification/identify.hpp"
 #include "identification/harmonics.hpp"
@@ -17,7 +17,7 @@
 namespace hydrapod::identification {
 namespace {
 
-constexpr double two_pi = 2.0 * std::numbers::pi;
+using base::two_pi;
 
 /// Independent Gaussian channels.
 data::Record white(int samples, double rate, const std::vector<double>& deviations,

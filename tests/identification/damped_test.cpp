@@ -5,17 +5,17 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "exact/closed_loop.hpp"
 #include "hydrapod/base/error.hpp"
+#include "hydrapod/base/units.hpp"
 #include "hydrapod/identification/identify.hpp"
 #include "spectra_of.hpp"
 
 namespace hydrapod::identification {
 namespace {
 
-constexpr double two_pi = 2.0 * std::numbers::pi;
+using base::two_pi;
 constexpr double sample_rate = 50.0;
 
 const ChannelChoice from_drive{.inputs = {6, 7, 8}, .outputs = {3, 4, 5}, .instruments = {0, 1, 2}};

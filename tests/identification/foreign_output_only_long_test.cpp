@@ -8,7 +8,7 @@
 namespace hydrapod::test {
 namespace {
 
-constexpr int seeds = 60;
+constexpr int output_only_seeds = 60;
 
 struct OutputScores {
   ClassScore ours{}, textbook{};
@@ -19,7 +19,7 @@ template <class Look>
 OutputScores scores_of(OutputClass data, const Look& look) {
   OutputScores scores;
   const auto truth = true_modes(data.system);
-  for (int seed = 1; seed <= seeds; ++seed) {
+  for (int seed = 1; seed <= output_only_seeds; ++seed) {
     data.experiment.seed = static_cast<std::uint64_t>(1000 + seed);
     const auto record = outputs_of(data.system, data.experiment);
     const auto found = identified_outputs(record, data.block);
@@ -54,7 +54,7 @@ TEST(Foreign, OutputsWithASharpMode) {
                         if (std::abs(harmonic.frequency / sharp - 1.0) < 0.01) ++named;
                     }).ours;
   EXPECT_EQ(ours.found + named, ours.wanted);
-  EXPECT_LE(named, seeds / 4);
+  EXPECT_LE(named, output_only_seeds / 4);
   EXPECT_LE(ours.false_per_seed(), 0.1);
   EXPECT_GE(ours.frequency_coverage(), 0.93);
   EXPECT_GE(ours.damping_coverage(), 0.93);

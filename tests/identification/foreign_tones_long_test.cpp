@@ -11,7 +11,7 @@
 namespace hydrapod::identification {
 namespace {
 
-constexpr std::uint64_t seeds = 60;
+constexpr std::uint64_t tone_seeds = 60;
 
 /// H1 of the record as it is, and the textbook's search for poles.
 std::vector<test::FoundMode> textbook_hall_modes(const data::Record& record, int block) {
@@ -28,7 +28,7 @@ void judge_hall(const char* name, HallRecord e, std::size_t tones) {
   const auto truth = test::true_modes(plant);
   test::ClassScore ours, plain;
   int listed = 0, false_tones = 0;
-  for (e.seed = 1; e.seed <= seeds; ++e.seed) {
+  for (e.seed = 1; e.seed <= tone_seeds; ++e.seed) {
     const auto record = hall_record(plant, e).record;
     const auto m = measured({record});
     listed += m.responses.harmonics.size() == tones ? 1 : 0;
@@ -44,7 +44,7 @@ void judge_hall(const char* name, HallRecord e, std::size_t tones) {
   EXPECT_GE(ours.damping_coverage(), 0.92);
   EXPECT_EQ(false_tones, 0);
   if (e.level > 10.0) {
-    EXPECT_EQ(listed, static_cast<int>(seeds));
+    EXPECT_EQ(listed, static_cast<int>(tone_seeds));
   }
 }
 
@@ -63,7 +63,7 @@ TEST(Foreign, ForcesWithStrongTonesThatWander) {
 void judge_loop(const char* name, double level, double wander, Excitation excitation) {
   const auto plant = foreign_plant();
   test::ClassScore ours, plain;
-  for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+  for (std::uint64_t seed = 1; seed <= tone_seeds; ++seed) {
     const auto m = foreign_measurement(
         plant, loop_with_tones(level, wander, {.excitation = excitation, .seed = seed}));
     add_modes(plant, m.responses, ours);

@@ -22,7 +22,7 @@ std::vector<data::ResponseWarning> slow_of(const FrequencyResponses& r) {
   return found;
 }
 
-data::Record shaken(std::uint64_t seed) {
+data::Record shaken_for_long(std::uint64_t seed) {
   return test::record_of(beam(), {.sample_rate = hammer_rate,
                                   .samples = 82000,
                                   .output_noise = Eigen::Vector3d(1e-5, 2e-5, 1e-5),
@@ -53,7 +53,7 @@ void expect_beam(const FrequencyResponses& responses) {
 TEST(SlowLogger, OfAllOutputsIsSaidAndTakenOut) {
   for (const Index samples : {4, 10}) {
     SCOPED_TRACE(samples);
-    auto record = shaken(3);
+    auto record = shaken_for_long(3);
     for (const Index c : {1, 2, 3}) hold(c, samples, record);
     const auto r = measured({record}).responses;
     const auto slow = slow_of(r);
@@ -67,7 +67,7 @@ TEST(SlowLogger, OfAllOutputsIsSaidAndTakenOut) {
 }
 
 TEST(SlowLogger, OfOneOutputIsTakenOutAndAMuchSlowerOneIsLeftOut) {
-  auto record = shaken(5);
+  auto record = shaken_for_long(5);
   hold(2, 3, record);
   expect_beam(measured({record}).responses);
   hold(1, 23, record);
@@ -82,7 +82,7 @@ TEST(SlowLogger, OfOneOutputIsTakenOutAndAMuchSlowerOneIsLeftOut) {
 
 /// What was folded onto the force cannot be told from what was there.
 TEST(SlowLogger, OfTheForceTooIsNotTrusted) {
-  auto record = shaken(7);
+  auto record = shaken_for_long(7);
   for (const Index c : {0, 1, 2, 3}) hold(c, 10, record);
   const auto r = measured({record}).responses;
   const auto slow = slow_of(r);

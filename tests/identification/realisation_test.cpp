@@ -17,7 +17,7 @@ double ratio(std::complex<double> pole) { return -pole.real() / std::abs(pole); 
 /// The chain of four masses, frequencies 4.15 … 12.8 Hz.
 test::ModalSystem system_under_test() { return test::chain(4, 1.07, 1913.0, 0.017); }
 
-CrossSpectra spectra_of(const test::ModalSystem& system, double noise) {
+CrossSpectra noisy_spectra_of(const test::ModalSystem& system, double noise) {
   test::NoiseExperiment experiment{.sample_rate = 60.0, .samples = 1 << 16, .seed = 3};
   const auto clean = test::record_of(system, experiment);
   experiment.output_noise = Eigen::VectorXd::Constant(
@@ -50,7 +50,7 @@ TEST(Realisation, AnExactSequenceGivesExactPoles) {
 TEST(Realisation, ImpulseResponsesOfARecordHaveItsModes) {
   const auto system = system_under_test();
   const auto responses = estimate_responses(
-      spectra_of(system, 0.03),
+      noisy_spectra_of(system, 0.03),
       {.inputs = {0, 1, 2, 3}, .outputs = {4, 5, 6, 7}, .instruments = {}}, Estimator::h1);
   const auto clusters = select_poles(realised_poles(impulse_response(responses)));
   for (const auto& mode : system.modes) {
@@ -65,7 +65,7 @@ TEST(Realisation, ImpulseResponsesOfARecordHaveItsModes) {
 
 TEST(Realisation, OutputsAloneHaveTheModes) {
   const auto system = system_under_test();
-  const auto found = identify_modes(half_spectra(spectra_of(system, 0.03), {4, 5, 6, 7}));
+  const auto found = identify_modes(half_spectra(noisy_spectra_of(system, 0.03), {4, 5, 6, 7}));
   ASSERT_EQ(found.modes.size(), 4u);
   const auto checks = cross_check(found, found.responses);
   for (std::size_t r = 0; r < 4; ++r) {

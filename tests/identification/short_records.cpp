@@ -86,6 +86,39 @@ test::ModalSystem two_rows() {
   return modal_system(mass, D, K, forces_at(6, {0, 4}));
 }
 
+namespace {
+
+/// Two sections of second order, each a double pole: its power at `corner` is a sixteenth.
+class LowPass {
+ public:
+  LowPass(Index signals, double corner, double sample_rate)
+      : share_(1.0 - std::exp(-2.0 * std::numbers::pi * corner / sample_rate)),
+        states_(MatrixXd::Zero(4, signals)) {}
+  VectorXd operator()(const VectorXd& u) {
+    Eigen::RowVectorXd in = u.transpose();
+    for (Index k = 0; k < states_.rows(); ++k) {
+      states_.row(k) += share_ * (in - states_.row(k));
+      in = states_.row(k);
+    }
+    return in.transpose();
+  }
+
+ private:
+  double share_;
+  MatrixXd states_;
+};
+
+/// Sample `k` of force `i`.
+double swept(Index i, int k, Index forces, const ShortRecordCase& e) {
+  const double slot = e.duration / static_cast<double>(forces);
+  const double t = k / e.sample_rate - slot * static_cast<double>(i);
+  constexpr double from = 2.0, to = 25.0;
+  if (t < 0.0 || t >= slot) return 0.0;
+  return std::sin(2.0 * std::numbers::pi * (from + 0.5 * (to - from) * t / slot) * t);
+}
+
+}  // namespace
+
 data::Record short_record(const test::ModalSystem& system, const ShortRecordCase& e,
                           std::uint64_t seed) {
   test::Random random(9941 * seed + 17);
@@ -94,13 +127,16 @@ data::Record short_record(const test::ModalSystem& system, const ShortRecordCase
   data::Record record{.header = test::header_of(p, q, e.sample_rate), .samples = {}};
   record.samples.resize(samples, p + q);
   test::ModalRun run(system, 1.0 / e.sample_rate);
-  const int before = e.from_rest ? 0 : 4000;
+  const int before = e.from_rest || e.sweeps ? 0 : 4000;
+  LowPass low_pass(p, e.band, e.sample_rate);
   for (int k = -before; k < samples; ++k) {
-    VectorXd u(p), all(p);
+    VectorXd u(p), more = VectorXd::Zero(p);
     for (Index i = 0; i < p; ++i) {
-      u[i] = test::normal(random);
-      all[i] = u[i] + (e.forces > 0.0 ? e.forces * test::normal(random) : 0.0);
+      u[i] = e.sweeps ? swept(i, k, p, e) : test::normal(random);
+      if (e.forces > 0.0) more[i] = e.forces * test::normal(random);
     }
+    if (e.band > 0.0) u = low_pass(u);
+    const VectorXd all = u + more;
     if (k >= 0) record.samples.row(k) << u.transpose(), run.output().transpose();
     run.advance(all);
   }
@@ -121,7 +157,8 @@ data::Record short_record(const test::ModalSystem& system, const ShortRecordCase
 ShortResult identified_record(const std::vector<data::Record>& records,
                               const MeasureOptions& options) {
   auto own = options;
-  own.for_modes = own.whole_record = true;
+  own.for_modes = true;
+  own.whole_record = true;
   ShortResult result{.measured = measured(records, own), .found = {}};
   result.found = identify_modes(result.measured);
   return result;

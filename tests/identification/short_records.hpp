@@ -25,9 +25,11 @@ struct ShortRecordCase {
   double forces{};            ///< RMS of white forces that nobody measured, of those that were
   double hum{};               ///< amplitude at 15.7 Hz in all outputs, of their RMS
   bool from_rest{};           ///< the record begins with the excitation
+  double band{};              ///< [Hz] where forces end (fourth order); 0: they are white
+  bool sweeps{};              ///< one force after the other sweeps from 2 Hz to 25 Hz, from rest
 };
 
-/// White forces, held between samples.
+/// Forces are held between samples.
 data::Record short_record(const test::ModalSystem& system, const ShortRecordCase& e,
                           std::uint64_t seed);
 

@@ -27,7 +27,7 @@ test::ModalSystem frame() {
   return system;
 }
 
-constexpr double rate = 160.0;
+constexpr double clock_rate = 160.0;
 
 /// Random force up to 55 Hz and its displacements, which repeat after a time longer than the
 /// record. Outputs are recorded at t (1 − ε): samples 32 times as close, and straight lines between
@@ -36,18 +36,19 @@ data::Record by_two_clocks(double ratio, std::uint64_t seed) {
   const auto system = frame();
   test::Random random(seed);
   constexpr int period = 1 << 16, closer = 32;
-  const auto samples = static_cast<Eigen::Index>(240.0 * rate);
-  data::Record record{.header = test::header_of(1, 3, rate), .samples = {}};
+  const auto samples = static_cast<Eigen::Index>(240.0 * clock_rate);
+  data::Record record{.header = test::header_of(1, 3, clock_rate), .samples = {}};
   record.samples.setZero(samples, 4);
   std::vector<std::complex<double>> lines(period * closer / 2 + 1), force(lines.size());
-  for (std::size_t k = 1; static_cast<double>(k) * rate / period < 55.0; ++k)
+  for (std::size_t k = 1; static_cast<double>(k) * clock_rate / period < 55.0; ++k)
     force[k] = {normal(random), normal(random)};
   numerics::RealFft fft(period * closer);
   std::vector<double> close(static_cast<std::size_t>(period) * closer);
   for (Eigen::Index c = 0; c < 4; ++c) {
     for (std::size_t k = 1; k < lines.size() && force[k] != 0.0; ++k)
-      lines[k] = force[k] *
-                 (c == 0 ? 1.0 : system.response(static_cast<double>(k) * rate / period)(c - 1, 0));
+      lines[k] =
+          force[k] *
+          (c == 0 ? 1.0 : system.response(static_cast<double>(k) * clock_rate / period)(c - 1, 0));
     fft.inverse(lines, close);
     for (Eigen::Index k = 0; k < samples; ++k) {
       // begins in the middle, so that an early output has samples

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "exact/guide_ring.hpp"
 #include "hydrapod/modal/damped_modes.hpp"
 #include "support/symmetric_machine.hpp"
 
@@ -17,7 +18,7 @@ using dynamics::ModelKind;
 constexpr double pi = std::numbers::pi;
 constexpr double gap = 1.7e-4, k_c = 4.1e7;
 
-model::Machine guided_machine() {
+model::Machine branching_machine() {
   auto machine = symmetric_machine();
   machine.damping.modal_ratio = 0.0;
   for (auto& leg : machine.legs) {
@@ -25,23 +26,6 @@ model::Machine guided_machine() {
     leg.guide_sleeve.guide_stiffness = k_c;
   }
   return machine;
-}
-
-/// Part at ω of the guide ring's force, over the amplitude: the ramp k_c h(|d| − g), rounded over
-/// g/10, by a sum over the period.
-double ring(double amplitude) {
-  constexpr double w = 0.1 * gap;
-  const auto h = [&](double x) {
-    const double t = x / w;
-    return t <= -1.0 ? 0.0 : t >= 1.0 ? x : w * std::pow(t + 1.0, 3) * (3.0 - t) / 16.0;
-  };
-  constexpr int points = 4000;
-  double sum = 0.0;
-  for (int k = 0; k < points; ++k) {
-    const double c = std::cos(2.0 * pi * (k + 0.5) / points);
-    sum += std::copysign(k_c * h(amplitude * std::abs(c) - gap), c) * c;
-  }
-  return 2.0 * sum / (points * amplitude);
 }
 
 struct Solution {
@@ -53,7 +37,7 @@ struct Solution {
 /// scaled to `a`.
 std::vector<Solution> heave(double a) {
   auto machine = symmetric_machine();
-  for (auto& leg : machine.legs) leg.guide_sleeve.stiffness += ring(a);
+  for (auto& leg : machine.legs) leg.guide_sleeve.stiffness += ring_stiffness(a, gap, k_c);
   const auto model = dynamics::linear_model(machine, machine.neutral(), ModelKind::guide);
   const auto modes = modal::normal_modes(model);
   std::vector<Solution> found;
@@ -79,7 +63,7 @@ std::vector<modal::ModeAtAmplitude> solutions(const modal::AmplitudeCurve& curve
 }
 
 TEST(BranchesOverTheAmplitude, OfHeaveAreThoseInClosedForm) {
-  const auto machine = guided_machine();
+  const auto machine = branching_machine();
   std::vector<double> amplitudes;
   for (double A = 1.1e-4; A < 0.011; A *= 1.37) amplitudes.push_back(A);
   const auto curves =
@@ -173,7 +157,7 @@ TEST(BranchesOverTheAmplitude, DoNotDependOnTheAxesOfTheMachine) {
 
 /// The length of steps decides how fast a branch is followed, not where it leads.
 TEST(BranchesOverTheAmplitude, DoNotDependOnTheSteps) {
-  const auto machine = guided_machine();
+  const auto machine = branching_machine();
   const std::vector amplitudes{1.3e-4, 1.7e-3, 7.7e-3};
   const auto curves_of = [&](const modal::AmplitudeOptions& options) {
     return modal::modes_at_amplitudes(machine, machine.neutral(), ModelKind::guide, amplitudes,

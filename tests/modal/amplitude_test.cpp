@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <numbers>
 
+#include "exact/guide_ring.hpp"
 #include "hydrapod/modal/damped_modes.hpp"
 #include "support/symmetric_machine.hpp"
 
@@ -74,6 +74,25 @@ TEST(ModesAtAmplitudes, OfLongSwingsApproachThoseOfAStiffGuide) {
   const double whole = limit.omega(0) - linear.omega(lowest.mode);
   EXPECT_NEAR(before - linear.omega(lowest.mode), whole, 0.02 * whole);
   EXPECT_EQ(lowest.points.back().legs_on_guide, 6);
+}
+
+/// The amplitude is that against the base, whether it has coordinates or none.
+TEST(ModesAtAmplitudes, OfABaseWithoutInertiaAreThoseOfALightOne) {
+  auto machine = guided_machine();
+  machine.base_mount = model::BaseMount{.stiffness = {8.3e7, 9.1e7, 1.07e8, {}, {}, {}}};
+  auto light = machine;
+  light.base_mount->mass = 1e-3;
+  const auto without = curves_of(machine, {1e-3}, ModelKind::rigid),
+             with = curves_of(light, {1e-3}, ModelKind::rigid);
+  ASSERT_EQ(without.size(), 6U);
+  ASSERT_GE(with.size(), 6U);
+  for (std::size_t k = 0; k < 6; ++k) {
+    // the legs' feet have inertia, with which a base without coordinates is not moved
+    EXPECT_NEAR(without[k].points[0].omega, with[k].points[0].omega, 0.01 * with[k].omega) << k;
+    EXPECT_NEAR(without[k].points[0].piston, with[k].points[0].piston,
+                0.02 * with[k].points[0].piston)
+        << k;
+  }
 }
 
 /// All springs of a machine with rigid legs soften alike: ω of the oil with bristles beside it.
@@ -155,7 +174,6 @@ TEST(ModesAtAmplitudes, SoftenWithElastomersThatAmplitudesSoften) {
 /// complex balance, set up without springs and arms in series: per leg (δ-stiffness in series with
 /// f) times the chord's offset, the ring's part at ω by a sum over the period.
 TEST(ModesAtAmplitudes, AreComplexBalancesWhereRodsBendAndElastomersSoften) {
-  constexpr double pi = std::numbers::pi;
   auto machine = symmetric_machine();
   machine.damping.modal_ratio = 0.013;
   for (auto& leg : machine.legs) {
@@ -179,20 +197,8 @@ TEST(ModesAtAmplitudes, AreComplexBalancesWhereRodsBendAndElastomersSoften) {
   const double f = linear.legs[0].bending;
   ASSERT_GT(f * sleeve.stiffness, 0.01);
   const auto in_series = [&](std::complex<double> k) { return k / (1.0 + f * k); };
-  // Of the ring at the amplitude A of the seal: the ramp k_c h(|d| − g), rounded over g/10.
   const auto ring = [&](double A) {
-    const double g = *sleeve.gap, w = 0.1 * g;
-    const auto h = [&](double x) {
-      const double t = x / w;
-      return t <= -1.0 ? 0.0 : t >= 1.0 ? x : w * std::pow(t + 1.0, 3) * (3.0 - t) / 16.0;
-    };
-    constexpr int points = 20000;
-    double sum = 0.0;
-    for (int k = 0; k < points; ++k) {
-      const double c = std::cos(2.0 * pi * (k + 0.5) / points);
-      sum += std::copysign(sleeve.guide_stiffness * h(A * std::abs(c) - g), c) * c;
-    }
-    return 2.0 * sum / (points * A);
+    return ring_stiffness(A, *sleeve.gap, sleeve.guide_stiffness);
   };
   int softened = 0, on_guide = 0, turned = 0;
   for (const auto& curve : curves_of(machine, {1.3e-6, 1.7e-4, 1.1e-3, 4.7e-3})) {

@@ -21,7 +21,7 @@ using modal::EnergyShares;
 
 constexpr double rounding = 1e-12;  // of sums of shares that are differences of larger numbers
 
-dynamics::LinearModel linear(const model::Machine& machine, ModelKind kind) {
+dynamics::LinearModel linear_of(const model::Machine& machine, ModelKind kind) {
   return dynamics::linear_model(machine, machine.poses.back().X_BP, kind);
 }
 
@@ -40,7 +40,7 @@ TEST_P(Shares, SumToOne) {
   Random random(5);
   for (int i = 0; i < 40; ++i) {
     const auto gravity = i % 2 == 0 ? Gravity::none : Gravity::anywhere;
-    const auto model = linear(random_machine(random, {.axes = axes, .gravity = gravity}), kind);
+    const auto model = linear_of(random_machine(random, {.axes = axes, .gravity = gravity}), kind);
     const auto modes = modal::normal_modes(model);
     for (const auto& shares : modal::energy_shares(model, modes.shapes)) expect_sums_of_one(shares);
     dynamics::ModelVector real(model.dof()), imaginary(model.dof());
@@ -55,7 +55,7 @@ TEST_P(Shares, SumToOne) {
 TEST_P(Shares, OfAComplexShapeIsTheMeanOfItsParts) {
   const auto [axes, kind] = GetParam();
   Random random(6);
-  const auto model = linear(random_machine(random, {.axes = axes}), kind);
+  const auto model = linear_of(random_machine(random, {.axes = axes}), kind);
   const auto modes = modal::normal_modes(model);
   const auto apart = modal::energy_shares(model, modes.shapes);
   // equal kinetic energies (φᵀ M φ = 1), elastic ones as ω²
@@ -73,7 +73,7 @@ TEST_P(Shares, GiveTheFrequencyBack) {
   Random random(7);
   for (int i = 0; i < 20; ++i) {
     const auto gravity = i % 2 == 0 ? Gravity::none : Gravity::down;
-    const auto model = linear(random_machine(random, {.axes = axes, .gravity = gravity}), kind);
+    const auto model = linear_of(random_machine(random, {.axes = axes, .gravity = gravity}), kind);
     const auto modes = modal::normal_modes(model);
     const auto shares = modal::energy_shares(model, modes.shapes);
     for (int k = 0; k < modes.size(); ++k) {
@@ -107,7 +107,7 @@ Eigen::VectorXd sensitivity(const model::Machine& machine, const Scale& scale) {
   const auto log_omega2 = [&](double factor) {
     auto changed = machine;
     scale(changed, factor);
-    const auto model = linear(changed, ModelKind::full);
+    const auto model = linear_of(changed, ModelKind::full);
     return omega_squared(model.M, model.K).array().log().matrix().eval();
   };
   return (log_omega2(1.0 + h) - log_omega2(1.0 - h)) / (2.0 * h);
@@ -122,7 +122,7 @@ TEST(Energy, SharesAreTheSensitivitiesOfTheFrequencies) {
     auto machine = random_machine(random);
     for (auto& leg : machine.legs)  // oil springs given directly, to be scaled
       if (leg.oil_spring.cylinder) leg.oil_spring = {.stiffness = 3e7 * random.uniform(0.5, 2.0)};
-    const auto model = linear(machine, ModelKind::full);
+    const auto model = linear_of(machine, ModelKind::full);
     const auto modes = modal::normal_modes(model);
     const auto shares = modal::energy_shares(model, modes.shapes);
     const auto expect = [&](const Eigen::VectorXd& found, const auto& share_of) {
@@ -164,7 +164,7 @@ TEST(Energy, OfTheMountBelongsToTheElasticOne) {
   auto machine = random_machine(random);
   machine.base_mount =
       model::BaseMount{.stiffness = {4.1e7, 3.7e7, 9.3e7, 5.9e7, 7.1e7, 2.3e7}, .mass = 713.0};
-  const auto model = linear(machine, ModelKind::rigid);
+  const auto model = linear_of(machine, ModelKind::rigid);
   const auto modes = modal::normal_modes(model);
   const auto shares = modal::energy_shares(model, modes.shapes);
   double most = 0.0;
@@ -181,7 +181,7 @@ TEST(Energy, OfTheMountBelongsToTheElasticOne) {
 
 /// What the weight takes from the knees: the stiffness of the x mode falls to (31.4 / 46.8)².
 TEST(Energy, PreloadIsWhatSoftensThePublishedMachine) {
-  const auto model = linear(symmetric_machine(9.81), ModelKind::guide);
+  const auto model = linear_of(symmetric_machine(9.81), ModelKind::guide);
   const auto modes = modal::normal_modes(model);
   const auto shares = modal::energy_shares(model, modes.shapes);
   EXPECT_LT(shares[0].preload, -0.2);

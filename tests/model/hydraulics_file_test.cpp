@@ -147,6 +147,8 @@ INSTANTIATE_TEST_SUITE_P(
                 "legs.friction.breakaway: is given alone, expected `coulomb` too"},
         Refused{"leg.2.friction={ coulomb = 9, breakaway = 8 }",
                 "leg.2.friction.breakaway: is 8 N, expected no less than `coulomb`, 9 N"},
+        Refused{"legs.friction={ bristles = { stiffness = 1e7 } }",
+                "legs.friction.bristles: have no effect without `coulomb`"},
         Refused{"legs.friction={ coulomb = 0, bristles = { stiffness = 1e7 } }",
                 "legs.friction.bristles: have no effect with `coulomb` = 0 N, expected more"},
         Refused{"legs.leakage.internal=-1",
@@ -165,8 +167,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"lines.segments=9",
                 "lines.segments: is 9, expected 0 (dead ends) or a whole number of segments up to "
                 "8"},
-        Refused{"lines.viscosity=-0.01",
-                "lines.viscosity: is -0.01 Pa s, expected 0 or more"},
+        Refused{"lines.viscosity=-0.01", "lines.viscosity: is -0.01 Pa s, expected 0 or more"},
         Refused{"lines.segments=3",
                 "lines.segments: has no effect: no line has a length, expected "
                 "`legs.oil_spring.cylinder.cap_line_length` or `rod_line_length`"},

@@ -304,6 +304,44 @@ TEST(MachineFile, FindingsOfACheckGetTheirPlaces) {
   EXPECT_EQ(place("damping.modal_ratio"), "m.toml:1:1: warning: damping.modal_ratio: hm");
 }
 
+TEST(MachineFile, NumbersThatHaveNoEffectWithoutAnotherAreNamed) {
+  const auto warnings = [](const std::vector<std::string>& overrides) {
+    std::vector<std::string> texts;
+    for (const auto& warning : parse_machine(sound_machine_file, "m.toml", overrides).warnings)
+      texts.push_back(warning.key + ": " + warning.message);
+    return texts;
+  };
+  const std::string elastomer =
+      "legs.guide_sleeve.elastomer={ dynamic_ratio = 1.7, loss_factor = 0.13, frequency = 11";
+  using testing::ElementsAre, testing::IsEmpty;
+  EXPECT_THAT(warnings({"legs.guide_sleeve.guide_stiffness=3e7"}),
+              ElementsAre("legs.guide_sleeve.guide_stiffness: has no effect without "
+                          "`legs.guide_sleeve.gap`"));
+  EXPECT_THAT(warnings({"legs.guide_sleeve.guide_stiffness=3e7", "legs.guide_sleeve.gap=2e-4"}),
+              IsEmpty());
+  EXPECT_THAT(warnings({"leg.2.guide_sleeve.guide_stiffness=3e7", "leg.1.guide_sleeve.gap=2e-4"}),
+              ElementsAre("leg.2.guide_sleeve.guide_stiffness: has no effect without "
+                          "`leg.2.guide_sleeve.gap`"));
+  // shared by all, used by one
+  EXPECT_THAT(warnings({"legs.guide_sleeve.guide_stiffness=3e7", "leg.4.guide_sleeve.gap=2e-4"}),
+              IsEmpty());
+  EXPECT_THAT(warnings({elastomer + ", softening_amplitude = 2e-4 }"}),
+              ElementsAre("legs.guide_sleeve.elastomer.softening_amplitude: has no effect without "
+                          "`legs.guide_sleeve.elastomer.softening`"));
+  EXPECT_THAT(warnings({elastomer + ", softening_amplitude = 2e-4, softening = 0.3 }"}), IsEmpty());
+  EXPECT_THAT(warnings({"legs.friction.stribeck_velocity=0.03"}),
+              ElementsAre("legs.friction.stribeck_velocity: has no effect without "
+                          "`legs.friction.coulomb`"));
+  EXPECT_THAT(warnings({"legs.joint_friction.smoothing_rate=0.02"}),
+              ElementsAre("legs.joint_friction.smoothing_rate: has no effect without "
+                          "`legs.joint_friction.coulomb`"));
+  EXPECT_THAT(warnings({"lines.viscosity=0.03"}),
+              ElementsAre("lines.viscosity: has no effect without `lines.segments`"));
+  EXPECT_THAT(warnings({"supply.line_volume=0.003"}),
+              ElementsAre("supply.line_volume: has no effect without `supply.pump_flow`"));
+  EXPECT_THAT(warnings({"supply.line_volume=0.003", "supply.pump_flow=0.002"}), IsEmpty());
+}
+
 TEST(MachineFile, PosesWithAnyNameAreFound) {
   const Check check = [](const Machine& machine) {
     return std::vector<Finding>{

@@ -55,6 +55,17 @@ TEST(Overrides, SpringsMayBeRigid) {
   EXPECT_EQ(mounted.base_mount->stiffness, left_out.base_mount->stiffness);
 }
 
+/// The assumed ratio of 2 % is for files without a word about damping.
+TEST(Overrides, ADamperOfZeroSaysThatNothingDamps) {
+  const std::vector<std::string> undamped{"legs.guide_sleeve.damping=0",
+                                          "legs.oil_spring.damping=0"};
+  EXPECT_EQ(seal_ratio(with(undamped)).value, 0.0);
+  EXPECT_FALSE(seal_ratio(with(undamped)).is_default);
+  auto and_a_ratio = undamped;
+  and_a_ratio.push_back("damping.modal_ratio=3 %");
+  EXPECT_EQ(seal_ratio(with(and_a_ratio)).value, 0.03);
+}
+
 TEST(Overrides, OnlySpringsMayBeRigidAndNoneIsStifferThanRounding) {
   EXPECT_THROW(with({"platform.mass=rigid"}), base::InputError);
   EXPECT_NO_THROW(with({"legs.guide_sleeve.stiffness=1e15"}));

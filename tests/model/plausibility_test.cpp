@@ -7,7 +7,6 @@
 
 #include "hydrapod/model/machine_file.hpp"
 #include "hydrapod/model/parameters.hpp"
-#include "hydrapod/model/validation.hpp"
 #include "support/run_program.hpp"
 
 namespace hydrapod::model {
@@ -74,6 +73,14 @@ INSTANTIATE_TEST_SUITE_P(
              "is 310 m^3, usual are up to 10 m^3; did you mean 310 l?"},
         Slip{"legs.oil_spring.cylinder.bulk_modulus", 1.43,
              "is 1.43 Pa, usual are 1e+07 Pa to 1e+10 Pa; did you mean 1.43 GPa?"},
+        Slip{"legs.oil_spring.cylinder.bulk_modulus", 1400.0,
+             "is 1400 Pa, usual are 1e+07 Pa to 1e+10 Pa; did you mean 1400 MPa?"},
+        Slip{"legs.rod.yield_strength", 355.0,
+             "is 355 Pa, usual are 1e+07 Pa to 5e+09 Pa; did you mean 355 MPa?"},
+        Slip{"legs.rod.youngs_modulus", 210.0,
+             "is 210 Pa, usual are 1e+09 Pa to 1e+12 Pa; did you mean 210 GPa?"},
+        Slip{"legs.guide_sleeve.stiffness", 1e14,
+             "is 1e+14 N/m, usual are 100 N/m to 1e+13 N/m; did you mean \"rigid\"?"},
         Slip{"legs.guide_sleeve.stiffness", 0.84,
              "is 0.84 N/m, usual are 100 N/m to 1e+13 N/m; did you mean 0.84 N/mm?"},
         Slip{"legs.rod.mass", 23.7e3,

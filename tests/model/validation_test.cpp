@@ -1,6 +1,6 @@
 /// What no machine can be, however it was described.
 
-#include "hydrapod/model/validation.hpp"
+#include "hydrapod/model/machine_file.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,7 +12,6 @@
 #include <utility>
 #include <vector>
 
-#include "hydrapod/model/machine_file.hpp"
 #include "hydrapod/model/parameters.hpp"
 #include "sound_machine.hpp"
 #include "support/random_machine.hpp"
@@ -248,6 +247,20 @@ TEST(Validation, OnePairInOnePlaceIsAskedAbout) {
   machine.legs[0].platform_joint = machine.legs[1].platform_joint + Vector3(1e-8, 0, 0);
   ASSERT_EQ(validate(machine).size(), 1u);
   EXPECT_EQ(validate(machine).front().severity, base::Severity::warning);
+}
+
+TEST(Validation, BristlesOfJointsNeedFriction) {
+  Machine machine = full_machine();
+  for (auto& leg : machine.legs) {
+    leg.hydraulics.joint_friction = {};
+    leg.hydraulics.joint_friction.bristle_stiffness = 3e5;
+  }
+  EXPECT_THAT(findings_about(machine),
+              ElementsAre("legs.joint_friction.bristle_stiffness: has no effect with `coulomb` = 0 "
+                          "N m, expected more"));
+  EXPECT_EQ(validate(machine).front().severity, base::Severity::warning);
+  for (auto& leg : machine.legs) leg.hydraulics.joint_friction.coulomb = 40.0;
+  EXPECT_THAT(findings_about(machine), IsEmpty());
 }
 
 TEST(Validation, ExactlyOneOilSpring) {

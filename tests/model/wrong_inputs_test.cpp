@@ -29,7 +29,8 @@ const std::vector<WrongInput> wrong_files{
      {},
      "m.toml:2:1: error: mas: unknown key; known here: name, description, source, state, "
      "environment, "
-     "base, platform, payload_modes, legs, leg, model, damping, supply, lines, controller, sensors, "
+     "base, platform, payload_modes, legs, leg, model, damping, supply, lines, controller, "
+     "sensors, "
      "poses"},
     {"UnknownTable",
      {{"[environment]", "[enviroment]"}},
@@ -84,7 +85,7 @@ const std::vector<WrongInput> wrong_files{
      "gimbal_cross_inertia, added_axial_inertia, gimbal_stiffness, bending, case, rod, "
      "guide_sleeve, "
      "piston_ring, oil_spring, "
-     "stroke, joint_limits, valve, leakage, friction, joint_friction, end_stops, "
+     "stroke, strut, screw, joint_limits, valve, leakage, friction, joint_friction, end_stops, "
      "equivalent_cylinder"},
     {"UnknownKeyOfPose",
      {{R"(rotation = ["10 deg", 0, 0])", R"(rotaton = ["10 deg", 0, 0])"}},
@@ -224,13 +225,16 @@ const std::vector<WrongInput> wrong_files{
     {"MissingTable",
      {{"[legs.rod]\nlength = 1.05\nmass = 22\nmass_center = 0.5\ntransverse_inertia = 2\n", ""}},
      {},
-     "m.toml:12:1: error: legs.rod: required table [legs.rod] is missing"},
+     "m.toml:12:1: error: legs.rod: required table [legs.rod] is missing; a plain strut, "
+     "[legs.strut], in place of all parts of a cylinder would do too"},
     {"MissingTableOfSprings",
      {{"[legs.oil_spring.cylinder]\nbore = \"80 mm\"\nrod_diameter = \"56 mm\"\nbulk_modulus = "
        "\"1.4 GPa\"\ncap_dead_volume = \"100 cm^3\"\nrod_dead_volume = \"100 cm^3\"\n",
        ""}},
      {},
-     "m.toml:12:1: error: legs.oil_spring: required table [legs.oil_spring] is missing"},
+     "m.toml:12:1: error: legs.oil_spring: required table [legs.oil_spring] is missing; "
+     "[legs.screw] of an electric cylinder in its place, or a plain strut, [legs.strut], in place "
+     "of all parts of a cylinder would do too"},
     {"MissingJoints",
      {{"circle = { radius = 1.1, spacing = 0.25 }", ""}},
      {},

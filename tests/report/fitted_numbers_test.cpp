@@ -183,6 +183,7 @@ diagnosis::Diagnosis diagnosed() {
               .shape_mac = 0.965,
               .omega_rigid = two_pi * 6.6,
               .rigid_mac = 0.967,
+              .resonance = true,
               .oil = 0.68,
               .guide_sleeves = 0.17,
               .piston_rings = 0.11,
@@ -270,6 +271,7 @@ TEST(NumbersInJson, OfADiagnosis) {
                                                    {"shape_mac", 0.965},
                                                    {"rigid_hz", 6.6},
                                                    {"rigid_mac", 0.967},
+                                                   {"resonance", true},
                                                    {"drop", d.modes[0].drop()},
                                                    {"peak_height", 0.967 * 6.6 * 6.6 / (6.1 * 6.1)},
                                                    {"strain_energy",
@@ -283,6 +285,7 @@ TEST(NumbersInJson, OfADiagnosis) {
                   {"objections", Json::array({{{"count", 9}, {"ratio", 0.91}}})}});
   EXPECT_NEAR(d.modes[0].drop(), 1.0 - 6.1 / 6.6, 1e-12);
   EXPECT_EQ(json["measured_modes"][0]["direction"], "rx");
+  EXPECT_EQ(json["measured_modes"][0]["resonance"], true);
   EXPECT_EQ(json["discriminators"][0]["direction"], "rz");
 }
 

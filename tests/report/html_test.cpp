@@ -5,12 +5,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <complex>
 #include <set>
 
 #include "hydrapod/kinematics/legs.hpp"
-#include "report/modal_response_json.hpp"
 #include "support/run_program.hpp"
 
 namespace hydrapod::report {
@@ -91,10 +88,9 @@ TEST(HtmlReport, StaysBelowTwoMegabytesWithThirtyComplexModesAndFourPoses) {
 }
 
 TEST(ReportJson, HoldsEveryNumberOfTheMachineForThePagesCore) {
-  const auto file =
-      model::read_machine_file(test::source_file("models/heavy-platform.toml").string(),
-                               {"leg.4.rod.mass=17.3", "legs.piston_ring.stiffness=1.9e7"},
-                               kinematics::check_machine);
+  const auto file = model::read_machine_file(
+      test::source_file("models/heavy-platform.toml").string(),
+      {"leg.4.rod.mass=17.3", "legs.piston_ring.stiffness=1.9e7"}, kinematics::check_machine);
   const auto editable = report_json(file, "m.toml", neutral(file)).at("editable");
   EXPECT_EQ(editable.at("numbers").at("legs.rod.mass"),
             Json::parse("[[23.0],[23.0],[23.0],[17.3],[23.0],[23.0]]"));
@@ -148,69 +144,6 @@ TEST(ReportJson, EveryFieldIsInTheManual) {
                        manual.find("machine." + name) != std::string::npos;
     EXPECT_TRUE(named) << name;
   }
-}
-
-/// H from the modal form, with Eigen's solver.
-response::Matrix6c from_json(const Json& json, double omega) {
-  const Eigen::Index n = json.at("omega2").size();
-  Eigen::MatrixXcd D = Eigen::MatrixXcd::Zero(n, n);
-  Eigen::MatrixXcd Phi(n, 6);
-  for (Eigen::Index k = 0; k < n; ++k) {
-    const Json& damping = json.at("damping").at(k);
-    if (damping.is_number()) {
-      D(k, k) += std::complex<double>(0.0, omega * damping.get<double>());
-    } else {
-      for (Eigen::Index j = 0; j < n; ++j)
-        D(k, j) += std::complex<double>(0.0, omega * damping.at(j).get<double>());
-    }
-    D(k, k) += json.at("omega2").at(k).get<double>() - omega * omega;
-    for (Eigen::Index d = 0; d < 6; ++d)
-      Phi(k, d) = json.at("platform_shapes").at(k).at(d).get<double>();
-  }
-  if (json.contains("relaxing"))
-    for (const Json& arm : json.at("relaxing")) {
-      const double rate = arm.at("rate_1_s").get<double>();
-      Eigen::VectorXcd g(n);
-      for (Eigen::Index k = 0; k < n; ++k) g[k] = arm.at("shape").at(k).get<double>();
-      D -= rate / std::complex<double>(rate, omega) * g * g.transpose();
-    }
-  return Phi.transpose() * D.partialPivLu().solve(Phi);
-}
-
-void expect_same_response(const model::MachineFile& file, dynamics::ModelKind kind, bool diagonal) {
-  const auto table = modal::mode_table(file.machine, file.machine.neutral(), kind);
-  const auto model = response::response_model(table.real.linear, table.real.normal,
-                                              table.ratio.value, file.machine.platform.mass_center);
-  const Json json = modal_response_json(model, table.real.tabled_of_normal);
-  EXPECT_EQ(json.at("damping").at(0).is_number(), diagonal);
-  const auto omega = response::log_space(10.0, 1000.0, 100);
-  const auto expected = response::frequency_response(model, omega);
-  constexpr double tolerance = 1e-10;  // rounding, magnified by lightly damped resonances
-  for (size_t i = 0; i < omega.size(); ++i) {
-    const response::Matrix6c difference = from_json(json, omega[i]) - expected[i];
-    EXPECT_LE(difference.norm(), tolerance * expected[i].norm()) << omega[i];
-  }
-}
-
-TEST(ModalResponse, IsTheFrequencyResponseForRealModes) {
-  expect_same_response(published(), dynamics::ModelKind::guide, true);
-}
-
-TEST(ModalResponse, IsTheFrequencyResponseForComplexModes) {
-  expect_same_response(published({"legs.piston_ring.stiffness=2e6", "legs.guide_sleeve.damping=60",
-                                  "legs.oil_spring.damping=4000"}),
-                       dynamics::ModelKind::full, false);
-}
-
-TEST(ModalResponse, IsTheFrequencyResponseForChambersThatRelax) {
-  const auto file = published({"damping.oil=chambers", "legs.leakage.internal=7e-12"});
-  expect_same_response(file, dynamics::ModelKind::rigid, true);
-  expect_same_response(file, dynamics::ModelKind::guide, false);
-}
-
-TEST(ModalResponse, IsTheFrequencyResponseForDampersAndModalRatios) {
-  expect_same_response(published({"legs.guide_sleeve.damping=60", "damping.modal_ratio=0.003"}),
-                       dynamics::ModelKind::guide, false);
 }
 
 }  // namespace

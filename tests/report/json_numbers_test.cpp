@@ -261,6 +261,19 @@ TEST(NumbersInJson, OfAPoseCheck) {
   EXPECT_EQ(json["poses"][0]["buckling"]["status"], "found");
 }
 
+/// `columns`: δa and the flexible coordinates of the model.
+Json drawn_json(const dynamics::DrawnLeg& leg, int columns) {
+  const auto point = [&](const dynamics::DrawnPoint& at) -> Json {
+    Json motion = Json::array();
+    for (int i = 0; i < 3; ++i)
+      for (int k = 0; k < columns; ++k) motion[i].push_back(at.p_x(i, k));
+    return {{"at_m", {at.p[0], at.p[1], at.p[2]}}, {"motion", motion}};
+  };
+  return {{"sleeve", point(leg.sleeve)},
+          {"piston", point(leg.piston)},
+          {"rod_at_sleeve", point(leg.rod_at_sleeve)}};
+}
+
 TEST(NumbersInJson, OfALegsGeometry) {
   auto machine = symmetric_machine();
   auto model = dynamics::linear_model(machine, machine.neutral(), dynamics::ModelKind::guide);
@@ -287,12 +300,16 @@ TEST(NumbersInJson, OfALegsGeometry) {
   model.X_BP.p_BP = {0.01, 0.02, 1.1};
   model.p_BC = {0.03, 0.04, 1.2};
   const Json json = report::geometry_json(machine, model);
-  const spatial::Vector3 a(0.41, 0.52, 1.7);
+  const spatial::Vector3 a(0.41, 0.52, 1.7), L = a - leg.base_joint;
+  const auto axes = machine.flexible_axes;
+  const auto straight = dynamics::straight_leg(leg, {a, L.normalized(), L.norm()}, axes);
   expect_numbers(
       json["legs"][1],
       {{"base_joint_m", {0.9, 0.2, 0.3}},
        {"platform_joint_m", {0.41, 0.52, 1.7}},
-       {"length_m", (a - leg.base_joint).norm()},
+       {"length_m", L.norm()},
+       {"bent", drawn_json(dynamics::drawn_leg(leg, element, axes, state), 5)},
+       {"straight", drawn_json(dynamics::drawn_leg(leg, straight, axes, {}), 3)},
        {"l_m", 0.71},
        {"l_mh", 0.12},
        {"L_g", 0.83},

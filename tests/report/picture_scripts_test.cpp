@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "hydrapod/report/measured_results.hpp"
+#include "hydrapod/report/model_results.hpp"
 #include "report/gnuplot.hpp"
 #include "support/run_program.hpp"
 
@@ -113,6 +114,29 @@ TEST(PicturesOfRecords, NameChannelsBesideTheCurvesAndEndAtTheirLastLine) {
                             HasSubstr("set xrange [1:250]\nset xtics (1, 2, 5, 10, 20, 50, 100, "
                                       "200)\n"),
                             Not(HasSubstr("title 'a1'"))));
+}
+
+/// One branch that moves to the left with the value, at 20 rad/s; today it is at its beginning.
+TEST(PicturesOfRootLoci, HaveDampingRaysArrowsAndTheMachineOfToday) {
+  RootLocus locus{.key = "controller.gain", .today_value = 10.2};
+  const auto at = [](double real, double imaginary) {
+    simulation::SystemPoles poles;
+    poles.poles.push_back({.pole = {real, imaginary}});
+    return poles;
+  };
+  for (int k = 0; k < 4; ++k) {
+    locus.values.push_back(10.0 + k);
+    locus.poles.push_back(at(-1.0 - 0.2 * k, 20.0));
+  }
+  locus.today = at(-1.05, 20.0);
+  const auto draw = [&](const auto& path) { plot_root_locus(locus, "Machine", "gain", path); };
+  const auto script = script_of(draw);
+  EXPECT_THAT(script, AllOf(HasSubstr("set label '1 %' at "), HasSubstr("set label '5 %' at "),
+                            HasSubstr("set arrow from -1.2,20 to -1.3,20 head filled"),
+                            HasSubstr("$today << "), HasSubstr("-1.05 20\n"),
+                            HasSubstr("title 'today: 10.2'")));
+  locus.today = {};
+  EXPECT_THAT(script_of(draw), Not(HasSubstr("$today")));
 }
 
 TEST(PicturesOfDiagnoses, SayAtWhichPoseAModeWasMeasured) {

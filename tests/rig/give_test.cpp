@@ -5,8 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "hydrapod/base/units.hpp"
 #include "hydrapod/modal/normal_modes.hpp"
 #include "hydrapod/observation/pairing.hpp"
 #include "hydrapod/simulation/linear_system.hpp"
@@ -17,7 +17,7 @@
 namespace hydrapod::test {
 namespace {
 
-constexpr double two_pi = 2.0 * std::numbers::pi;
+using base::two_pi;
 
 /// Frequencies [Hz] of the linear model's lowest modes.
 Eigen::VectorXd calculated(const model::Machine& machine, dynamics::ModelKind kind) {

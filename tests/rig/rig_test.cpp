@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "hydrapod/base/error.hpp"
+#include "hydrapod/base/units.hpp"
 #include "hydrapod/kinematics/legs.hpp"
 #include "hydrapod/model/machine_file.hpp"
 #include "hydrapod/rig/rig.hpp"
@@ -20,7 +21,7 @@ namespace hydrapod::test {
 namespace {
 
 using namespace rig;
-constexpr double two_pi = 2.0 * std::numbers::pi;
+using base::two_pi;
 
 model::Machine starter() {
   return model::parse_machine(model::starter_machine_file(), "starter.toml").machine;

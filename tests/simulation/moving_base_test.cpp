@@ -47,10 +47,12 @@ model::Machine machine_on(std::uint64_t seed, double times, double mass, bool gr
   return machine;
 }
 
-const spatial::Pose& tilted(const model::Machine& machine) { return machine.poses.back().X_BP; }
+const spatial::Pose& tilted_pose(const model::Machine& machine) {
+  return machine.poses.back().X_BP;
+}
 
 VectorXd expected_frequencies(const model::Machine& machine) {
-  const auto system = unreduced_mount(machine, tilted(machine));
+  const auto system = unreduced_mount(machine, tilted_pose(machine));
   const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> solver(system.K, system.M);
   return solver.eigenvalues().cwiseSqrt();
 }
@@ -58,9 +60,9 @@ VectorXd expected_frequencies(const model::Machine& machine) {
 TEST(MovingBase, VibratesAsTheTwelveCoordinatesDo) {
   for (const double times : {0.7, 3.0, 20.0}) {
     const auto machine = machine_on(41, times, 0.6);
-    const Plant plant(machine, ModelKind::rigid, {.hydraulics = false}, tilted(machine));
+    const Plant plant(machine, ModelKind::rigid, {.hydraulics = false}, tilted_pose(machine));
     EXPECT_TRUE(plant.base().added_inertia.isZero(0.0));
-    const auto found = undamped_frequencies(plant, tilted(machine));
+    const auto found = undamped_frequencies(plant, tilted_pose(machine));
     const auto expected = expected_frequencies(machine);
     ASSERT_EQ(found.size(), 12);
     for (int k = 0; k < 12; ++k) EXPECT_NEAR(found[k], expected[k], 1e-7 * expected[k]) << k;
@@ -73,16 +75,16 @@ TEST(MovingBase, InSomeDirectionsOnlyHasAsManyCoordinates) {
   stiffness[0].reset();
   stiffness[3].reset();
   stiffness[5].reset();
-  const Plant plant(machine, ModelKind::rigid, {.hydraulics = false}, tilted(machine));
+  const Plant plant(machine, ModelKind::rigid, {.hydraulics = false}, tilted_pose(machine));
   EXPECT_EQ(plant.layout().size, 13 + 6);
   EXPECT_EQ(plant.state_names()[13], "base.y");
   EXPECT_EQ(plant.state_names()[18], "base.ry_rate");
   EXPECT_EQ(plant.state_units()[18], "rad/s");
-  const auto system = unreduced_mount(machine, tilted(machine));
+  const auto system = unreduced_mount(machine, tilted_pose(machine));
   const std::vector<int> free{0, 1, 2, 3, 4, 5, 7, 8, 10};
   const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> solver(MatrixXd(system.K(free, free)),
                                                                   MatrixXd(system.M(free, free)));
-  const auto found = undamped_frequencies(plant, tilted(machine));
+  const auto found = undamped_frequencies(plant, tilted_pose(machine));
   ASSERT_EQ(found.size(), 9);
   for (int k = 0; k < 9; ++k) {
     const double expected = std::sqrt(solver.eigenvalues()[k]);
@@ -95,18 +97,18 @@ TEST(MovingBase, InSomeDirectionsOnlyHasAsManyCoordinates) {
 TEST(MovingBase, WithoutMassKeepsThePlatformsModes) {
   for (const double times : {0.7, 3.0, 20.0, 300.0, 1e5, 1e9}) {
     const auto machine = machine_on(47, times, 0.0);
-    const Plant plant(machine, ModelKind::rigid, {.hydraulics = false}, tilted(machine));
-    const auto found = undamped_frequencies(plant, tilted(machine));
+    const Plant plant(machine, ModelKind::rigid, {.hydraulics = false}, tilted_pose(machine));
+    const auto found = undamped_frequencies(plant, tilted_pose(machine));
     const auto expected = expected_frequencies(machine);
     ASSERT_EQ(found.size(), 12);
     for (int k = 0; k < 6; ++k) EXPECT_NEAR(found[k], expected[k], 3e-4 * expected[k]) << times;
     auto still = machine;
     still.base_mount.reset();
-    const Plant on_rock(still, ModelKind::rigid, {.hydraulics = false}, tilted(machine));
-    const auto highest = undamped_frequencies(on_rock, tilted(machine))[5];
+    const Plant on_rock(still, ModelKind::rigid, {.hydraulics = false}, tilted_pose(machine));
+    const auto highest = undamped_frequencies(on_rock, tilted_pose(machine))[5];
     EXPECT_LT(found[11], 20.5 * highest) << times;
     if (times < 1e9) continue;
-    const auto rock = undamped_frequencies(on_rock, tilted(machine));
+    const auto rock = undamped_frequencies(on_rock, tilted_pose(machine));
     for (int k = 0; k < 6; ++k) EXPECT_NEAR(found[k], rock[k], 1e-7 * rock[k]);
   }
 }
@@ -175,8 +177,8 @@ TEST(MovingBase, GivesWayToAForceOnThePlatform) {
   auto machine = machine_on(61, 2.0, 0.5);
   machine.damping.modal_ratio = 0.7;  // comes to rest soon
   for (auto& leg : machine.legs) leg.oil_spring.damping = 0.02 * *leg.oil_spring.stiffness;
-  const Plant plant(machine, ModelKind::rigid, {.hydraulics = false}, tilted(machine));
-  auto rest = plant.equilibrium(tilted(machine));
+  const Plant plant(machine, ModelKind::rigid, {.hydraulics = false}, tilted_pose(machine));
+  auto rest = plant.equilibrium(tilted_pose(machine));
   PlantInput input;
   input.wrench << 130.0, -70.0, 210.0, 31.0, 17.0, -23.0;
   simulation::Integrator run(plant, {.relative_tolerance = 1e-11, .absolute_tolerance = 1e-11});

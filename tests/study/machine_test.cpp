@@ -65,9 +65,9 @@ TEST(MachineStudy, RowsAreThoseOfModes) {
   }
 }
 
-/// SIMD lanes know no modes of the payload, no elastomers and no beams: a batch of such machines is
-/// that of the model for one row, to the last digit.
-TEST(MachineStudy, MachinesWithPartsUnknownToTheLanesAreComputedAlone) {
+/// SIMD lanes have no modes of the payload, no elastomers and no beams: a batch of such machines
+/// has the bits of the same machines computed one by one.
+TEST(MachineStudy, MachinesWithPartsThatTheLanesLackAreComputedOneByOne) {
   const auto file = published({"environment.gravity=9.81"});
   const auto inputs = read_variation(file, "platform.mass", "normal ± 2 %", "");
   constexpr std::size_t count = 20;

@@ -108,7 +108,7 @@ TEST(Distributions, AreTruncated) {
               midpoint);
 }
 
-std::string message_of(const char* text) {
+std::string message_for(const char* text) {
   try {
     read_distribution(text, "N/m", 1e6, "--vary");
   } catch (const base::InputError& error) {
@@ -118,12 +118,12 @@ std::string message_of(const char* text) {
 }
 
 TEST(Distributions, ThatCannotBeAreRefused) {
-  EXPECT_THAT(message_of("normal 5 kN/mm ± 0 %"), HasSubstr("must be more than 0"));
-  EXPECT_THAT(message_of("normal 5 kN/mm"), HasSubstr("no spread"));
-  EXPECT_THAT(message_of("uniform 6 .. 4 kN/mm"), HasSubstr("needs spread"));
-  EXPECT_THAT(message_of("norml 5 kN/mm ± 3 %"), HasSubstr("did you mean 'normal'"));
-  EXPECT_THAT(message_of("normal 5 kg ± 3 %"), HasSubstr("5 kg"));
-  EXPECT_THAT(message_of("normal 5 kN/mm ± 1 % within 90 .. 95 kN/mm"), HasSubstr("hardly any"));
+  EXPECT_THAT(message_for("normal 5 kN/mm ± 0 %"), HasSubstr("must be more than 0"));
+  EXPECT_THAT(message_for("normal 5 kN/mm"), HasSubstr("no spread"));
+  EXPECT_THAT(message_for("uniform 6 .. 4 kN/mm"), HasSubstr("needs spread"));
+  EXPECT_THAT(message_for("norml 5 kN/mm ± 3 %"), HasSubstr("did you mean 'normal'"));
+  EXPECT_THAT(message_for("normal 5 kg ± 3 %"), HasSubstr("5 kg"));
+  EXPECT_THAT(message_for("normal 5 kN/mm ± 1 % within 90 .. 95 kN/mm"), HasSubstr("hardly any"));
 }
 
 }  // namespace

@@ -61,7 +61,8 @@ void run(const model::Machine& machine, const RigExperiment& experiment, const s
   const auto options = rig_options(experiment);
   simulation::ClosedLoop loop(machine, experiment.X_BP, rig::loop_options(options));
   const auto writer = data::open_record_writer(
-      path, {.channels = rig::rig_channels(options), .sample_rate = options.rate});
+      path, {.channels = rig::rig_channels(options, model::leg_type(machine)),
+             .sample_rate = options.rate});
   const auto result = rig::run_rig(loop, options, *writer);
   EXPECT_EQ(result.summary.end, simulation::RunEnd::finished) << result.summary.message;
   writer->close();

@@ -234,12 +234,7 @@ void add_payload(const Scales& s, double f, std::vector<UnlistedCase>& all) {
 
 void add_masses(const Scales& s, double f, std::vector<UnlistedCase>& all) {
   const auto& platform = s.file.machine.platform;
-  const double axial = 0.12 * f * s.mass, m_I = s.mass * s.gyration * s.gyration;
-  all.push_back({.physics = fmt::format("{:.3g} kg more move with the piston of leg 4", axial),
-                 .basic = {.fault = {set("leg.4.added_axial_inertia",
-                                         s.file.machine.legs[3].added_axial_inertia + axial)}},
-                 // a candidate cause by itself
-                 .same_parts = {"oil in the lines of leg 4"}});
+  const double m_I = s.mass * s.gyration * s.gyration;
   const double rod = 0.07 * f * s.mass;
   const auto& leg = s.file.machine.legs[0];
   all.push_back(

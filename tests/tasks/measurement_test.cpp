@@ -11,6 +11,7 @@
 #include "exact/modal_system.hpp"
 #include "hydrapod/data/record_io.hpp"
 #include "hydrapod/tasks/simulation.hpp"
+#include "identification/short_records.hpp"
 #include "support/run_program.hpp"
 
 namespace hydrapod::test {
@@ -133,6 +134,34 @@ TEST(ReadMeasured, DeviationsCountWhereAllFilesStateThem) {
   EXPECT_TRUE(given("with.toml", "too.toml"));
   EXPECT_FALSE(given("with.toml", "without.toml"));
   EXPECT_FALSE(given("without.toml", "with.toml"));
+}
+
+/// What `diagnose` and `calibrate` compare with are the modes that `identify` finds, in short
+/// records of masses on springs too; averages of blocks do not show them all.
+TEST(ReadMeasured, AShortRecordGivesTheModesOfTheWholeOfIt) {
+  const TemporaryFolder folder;
+  const auto system = identification::two_rows();
+  auto record = identification::short_record(system, {.duration = 9.1, .noise = 0.05}, 17);
+  int direction = 0;
+  for (auto& channel : record.header.channels)
+    if (channel.role == data::Role::response)
+      channel.direction = static_cast<data::Direction>(++direction);
+  ASSERT_EQ(direction, 6);
+  const std::string file = folder / "run.h5";
+  data::write_record(file, record, data::RecordFormat::hdf5);
+  const auto machine =
+      tasks::read_machine({.file = source_file("models/heavy-platform.toml").string()});
+  const auto targets = tasks::read_measured(machine, {.files = {file}}).targets;
+  ASSERT_EQ(targets.modes.size(), system.modes.size());
+  for (std::size_t k = 0; k < system.modes.size(); ++k) {
+    const auto& mode = targets.modes[k];
+    EXPECT_TRUE(mode.damped);
+    EXPECT_NEAR(mode.omega, std::abs(system.modes[k].pole), 4.0 * mode.deviation) << k;
+    EXPECT_LT(mode.deviation, 0.004 * mode.omega);
+  }
+  tasks::IdentifyOptions averaged{.measure = {.files = {file}}};
+  averaged.measure.estimate.whole_record = false;
+  EXPECT_LT(tasks::identify(averaged).modes.modes.size(), system.modes.size());
 }
 
 /// The period that the record states is the one after which its excitation repeats.

@@ -291,9 +291,19 @@ struct ModePoint {
   /// Of LinearModel::against_base.
   std::vector<dynamics::PlatformRows> against_base_derivatives{};
   Eigen::MatrixXd domega2{};  ///< modes × parameters
-  /// Of a machine with elastomers, per mode the ω and ζ of the damped mode that it is: the undamped
-  /// modes have the dampers of the seals' arms rigid. Else empty.
-  std::vector<double> damped_omega{}, damped_ratio{};
+  /// Per mode the damped mode that it is, where that is known and oscillates: of machines with
+  /// elastomers always, since the undamped modes have the dampers of the seals' arms rigid.
+  std::vector<std::optional<modal::DampedMode>> damped{};
+  std::vector<double> ratio_derivatives{};  ///< of the ratio ζ that all modes have, per parameter
+  /// Of |λ| and ζ of the damped modes, modes × parameters; rows of the others are 0.
+  Eigen::MatrixXd dpole_omega{}, dpole_ratio{};
+
+  /// Do frequencies repeat?
+  [[nodiscard]] bool repeats() const { return modes.group.back() + 1 < modes.size(); }
+  /// Null where it is not known.
+  [[nodiscard]] const modal::DampedMode* damped_mode(int mode) const;
+  /// |λ| of the damped mode where it is known, else ω of the undamped one, negative below buckling.
+  [[nodiscard]] double omega(int mode) const;
 };
 
 /// A machine with the numbers of it that vary: a parameter sets all of its ids to one value.
@@ -319,13 +329,12 @@ ModePoint mode_point(const model::Machine& machine, std::size_t pose, dynamics::
 void add_derivatives(const VariedMachine& machine, const std::vector<double>& values,
                      std::size_t pose, std::span<const double> scales, ModePoint& point);
 
-/// One mode's frequency against all numbers of the file.
+/// One mode's frequency |λ|, as modal::damped_modes() has it, against all numbers of the file.
 struct Sensitivities {
-  ModePoint point{};
   std::vector<model::FileNumber> parameters{};  ///< those that matter and are not zero
-  Eigen::MatrixXd percent_per_percent{};        ///< modes × parameters: d ln ω / d ln p; NaN for
-                                                ///< modes that have buckled
-  Eigen::VectorXd omega{};                      ///< [rad/s]
+  /// Modes × parameters: d ln ω / d ln p; NaN for modes that have buckled or do not oscillate.
+  Eigen::MatrixXd percent_per_percent{};
+  Eigen::VectorXd omega{};  ///< [rad/s], ascending; 0: buckled
 };
 
 /// All numbers of the file that change its modes at pose number `pose`, or those at `paths`.

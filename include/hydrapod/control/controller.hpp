@@ -30,8 +30,8 @@
 ///
 /// u = (leg lengths 6, cap pressures 6, rod pressures 6, piston accelerations 6, commanded
 /// displacement of the pose 6 (as in spatial::displaced), commanded velocity 6), ξ = (∫e 6, where
-/// there is an integral; slow parts of the load forces 6, where pressures are fed back or drives are
-/// corrected for the load; of the accelerations 6, where these are fed back). Limits, rounding,
+/// there is an integral; slow parts of the load forces 6, where pressures are fed back or drives
+/// are corrected for the load; of the accelerations 6, where these are fed back). Limits, rounding,
 /// noise and the computation's delay are not in it.
 ///
 /// What holds the machine against leakage are drives d_0 of wanted speeds v_0 = J w_0. Two small
@@ -66,6 +66,9 @@ struct DriveAxis {
   double return_pressure{};   ///< p_t [Pa]
   double overlap{};           ///< of the spool, as a share of the drive's range
   double load{};              ///< F [N] at the neutral pose
+  /// [m/s] at full drive, whatever the load: of an electric drive, which has no areas, flow and
+  /// pressures; 0: of a valve.
+  double full_speed{};
 };
 
 struct AxisSpeeds {

@@ -61,10 +61,13 @@ model::Machine without_mount_and_gimbals(model::Machine machine);
 inline constexpr double resonance_mac = 0.1;
 
 struct ResonanceOptions {
-  /// share ≥ of_largest × the largest share: the mode is a resonance of this direction. At equal
-  /// damping ratios a peak is as high as share/ω², so that a lower mode with half of the largest
-  /// share has at least half of the highest peak.
+  /// share ≥ max(least, of_largest × the largest share): the mode is a resonance of this direction.
+  /// At equal damping ratios a peak is as high as share/ω², so that a lower mode with half of the
+  /// largest share has at least half the peak of any mode above it. Of two modes that share a
+  /// direction evenly the lower one counts. A mode below with a smaller share may have a high peak
+  /// too: FirstResonance::below.
   double of_largest{0.5};
+  double least{};
 };
 
 /// A mode that holds a share of a rigid mode.
@@ -139,7 +142,9 @@ struct Cause {
     payload_modes,    ///< modes of the payload that the file states: their frequencies
     rods_bend,        ///< more or less than stated, where rods and cases bend
     elastomer_ratio,  ///< dynamic over static stiffness of the guide sleeves' elastomers
-    elastomer_loss    ///< their loss factor
+    elastomer_loss,   ///< their loss factor
+    struts,           ///< stiffness of plain struts
+    screws            ///< stiffness of the screws of electric cylinders
   };
   Kind kind{};
   std::optional<int> leg{};  ///< 0…5; none: all legs, or no leg at all
@@ -289,6 +294,9 @@ struct MeasuredMode {
   double shape_mac{};                   ///< with the best hypothesis; 0 without a shape
   double omega_rigid{};  ///< mode of the rigid-leg model of which it holds most; 0: none
   double rigid_mac{};
+  /// Is it a resonance of that mode (FirstResonance)? The share that no measured mode holds is
+  /// taken to be in one that was not measured.
+  bool resonance{};
   /// What the mode of the best hypothesis mostly does, where that contradicts `direction`; else −1.
   int mode_direction{-1};
   /// Shares of the elastic energy.

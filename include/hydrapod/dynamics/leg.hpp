@@ -183,4 +183,28 @@ struct LegOnBase {
 LegOnBase leg_on_base(const model::Leg& leg, const Vector3& a, model::FlexibleAxes axes,
                       const LegState& state);
 
+/// The points of a leg that a picture of it needs: where they are, and how they move to first
+/// order.
+///
+///     δp = p_x (δa; φ1, φ2; u1, u2)
+///
+/// δa is the motion of the platform joint relative to the base, in base axes; φ and u are the
+/// flexible coordinates of LegElement. The rates are those of the chart (docs/theory/leg.md, "The
+/// bent leg").
+struct DrawnPoint {
+  Vector3 p{Vector3::Zero()};  ///< [m] in B
+  Eigen::Matrix<double, 3, leg_coordinates> p_x{Eigen::Matrix<double, 3, leg_coordinates>::Zero()};
+};
+
+struct DrawnLeg {
+  DrawnPoint sleeve{};         ///< L_g from the base joint, on the axis of the case
+  DrawnPoint piston{};         ///< with its offset
+  DrawnPoint rod_at_sleeve{};  ///< l_mh from the piston, along the rod (its chord, where it bends)
+};
+
+/// `element`, `state`: the leg in a linear model; a straight leg has the state zero. The points of
+/// a strut are its base joint.
+DrawnLeg drawn_leg(const model::Leg& leg, const LegElement& element, model::FlexibleAxes axes,
+                   const LegState& state);
+
 }  // namespace hydrapod::dynamics

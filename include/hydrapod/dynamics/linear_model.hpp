@@ -8,12 +8,12 @@
 /// The platform's six are the motion of its mass centre C [m] and its rotation [rad], both in base
 /// axes, against the ground; the flexible coordinates are those of LegElement. The base's are its
 /// motion at the origin of B against the ground, in the directions in which its mount has a spring;
-/// a base that stands still has none, and one without inertia of its own is condensed: it only puts
-/// its springs in series with the legs' (src/dynamics/base_mount.hpp). Summing T and V of
-/// platform and legs gives M and K, symmetric, M positive definite. Without gravity M and K have no
-/// preload terms and the upper-left 6×6 of M is the rigid model's M. With gravity everything is
-/// linearised about the static equilibrium (statics.hpp) of that very model. Derivation:
-/// docs/theory/linear-model.md.
+/// a base that stands still has none. Where neither base nor legs have inertia, the base is
+/// condensed: its springs are in series with the legs' (src/dynamics/base_mount.hpp). Summing T and
+/// V of platform and legs gives M and K, symmetric, M positive definite. Without gravity M and K
+/// have no preload terms and the upper-left 6×6 of M is the rigid model's M. With gravity
+/// everything is linearised about the static equilibrium (statics.hpp) of that very model.
+/// Derivation: docs/theory/linear-model.md.
 ///
 /// What a set of undamped modes is: (K − ω² M) φ = 0. modal/normal_modes.hpp computes them;
 /// responses and others that only use them need no more than this.
@@ -82,6 +82,7 @@ inline double softening_at(const RelaxingArm& arm, double omega) {
 
 struct LinearModel {
   ModelKind kind{};
+  model::LegType leg_type{};
   spatial::Pose X_BP{};
   Vector3 p_BC{};  ///< the platform's mass centre [m]
   /// diag(m I, R I_C Rᵀ) less Σ L Lᵀ of the payload's modes: what of the platform does not swing.
@@ -132,7 +133,11 @@ struct LinearModel {
   [[nodiscard]] int first_of_payload() const { return first_of_base() + base_count(); }
 };
 
-/// Directions 0…5 of the machine's base that are coordinates of its linear models.
+/// Throws std::invalid_argument where the legs have no such model.
+void require_kind(const model::Machine& machine, ModelKind kind);
+
+/// Directions 0…5 of the machine's base that are coordinates of its linear models: those with a
+/// spring where the base or a leg has inertia, else none.
 std::vector<int> base_directions(const model::Machine& machine);
 
 /// Number of coordinates, and of modes, of the model `kind` of `machine`.
@@ -140,8 +145,8 @@ int degrees_of_freedom(const model::Machine& machine, ModelKind kind);
 
 /// The model `kind` of `machine` at `X_BP`. Throws base::ComputationError when the machine has no
 /// static equilibrium there that Newton can find, and std::invalid_argument when ModelKind::full is
-/// asked of legs without a piston ring. `start`: a neighbouring equilibrium to begin the search for
-/// this one at.
+/// asked of legs without a piston ring, or another one than ModelKind::rigid of struts. `start`: a
+/// neighbouring equilibrium to begin the search for this one at.
 LinearModel linear_model(const model::Machine& machine, const spatial::Pose& X_BP, ModelKind kind,
                          const StaticEquilibrium* start = nullptr);
 

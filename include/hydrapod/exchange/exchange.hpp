@@ -184,6 +184,12 @@ struct PayloadFromElement {
   std::vector<model::PayloadMode> modes{};  ///< lowest first
   spatial::Matrix6 mass{};   ///< of the whole rigid structure about its interface, axes of P
   double first_left_out{};   ///< [rad/s]; 0: all modes are kept
+  /// C couples two of the modes, and modes of a payload have dampers of their own alone: the largest
+  /// |c_jk| ω_k/|ω_j² − ω_k²|, about the share of one mode in the other, and where.
+  struct Coupling {
+    double share{}, omega{}, other{};
+  };
+  Coupling coupling{};
   double rigid_stiffness{};  ///< largest stiffness against rigid motion over that of the inner part
 };
 

@@ -126,11 +126,13 @@ double control_volume(const model::Leg& leg);
 /// that end; σ is the share of the compression that is in the line. 0 without line lengths.
 double line_inertia(const model::Leg& leg, double l_m);
 
-/// k_h [N/m] of `leg` with the piston at `l_m` [m] from the base joint.
-/// Throws std::invalid_argument when the leg has no oil spring or lacks the stroke that it needs.
+/// k_h [N/m] of `leg` with the piston at `l_m` [m] from the base joint; k of a strut, k_a of a
+/// screw. Throws std::invalid_argument when the leg has no oil spring or lacks the stroke that it
+/// needs.
 double oil_stiffness(const model::Leg& leg, double l_m);
 
-/// What holds a leg along its axis: the oil spring, and in series compliant gimbals.
+/// What holds a leg along its axis: the oil spring, the strut or the screw, and in series compliant
+/// gimbals.
 struct AxialSpring {
   double stiffness{};  ///< k_h k_j / (k_h + k_j) [N/m]
   /// c_h (k_j / (k_h + k_j))² [N s/m]: the share of the motion that the oil's damper sees, as long
@@ -417,7 +419,14 @@ using ServoAxis = ServoAxisOf<double>;
 /// All legs side by side.
 ServoAxisOf<numerics::Lanes> side_by_side(const std::array<ServoAxis, model::leg_count>& axes);
 
-/// Leg `i` (from 0). The machine must be sound (model::validate).
+/// Throws base::InputError for legs without valves and oil: what is asked needs hydraulics.
+void require_hydraulics(const model::Machine& machine);
+
+/// The end stops of a leg without hydraulics: those of its stroke, with the default stiffness of 20
+/// times axial_spring(); at infinity where it has no stroke.
+Stops mechanical_stops(const model::Leg& leg);
+
+/// Leg `i` (from 0). The machine must be sound (model::validate). Throws as require_hydraulics().
 ServoAxis servo_axis(const model::Machine& machine, int i);
 
 /// What was assumed, for people: one entry for all legs where they agree.
@@ -425,6 +434,7 @@ struct Assumption {
   std::string key{};   ///< the key that would say it, for instance "legs.valve.rated_flow"
   std::string text{};  ///< "29.1 l/min: 0.5 m/s at the rated flow"
 };
+/// None for legs without hydraulics.
 std::vector<Assumption> hydraulic_assumptions(const model::Machine& machine);
 
 /// A line between valve and chamber as a chain of N equal segments: oil that moves between nodes

@@ -254,13 +254,14 @@ struct RecordOptions {
   /// A tone, and no mode: decay within the record < tone_decays, and power that the inputs drive <
   /// tone_driven · that of its transient. Noise makes it less, and of a mode it is as large.
   double tone_decays{0.5}, tone_driven{0.1};
+  /// What inputs drive beside the nearest line < tone_beside · all that they drive: nothing but one
+  /// line is driven. A mode that decays by a tenth in the record has 1e-3 there where it lies on a
+  /// line, and more elsewhere.
+  double tone_beside{1e-3};
   int most_tones{8};
   SelectionOptions selection{.persistence = 0.3};  ///< few orders have all modes: many candidates
   double fewest_periods{4.0};  ///< refused: duration · frequency of the lowest mode < this
   double fewest_numbers{2.0};  ///< refused: numbers of an output < this · its parameters
-  /// Refused: the outputs' past explains > feedback of what the inputs' own does not, and more than
-  /// chance does once in 1/feedback_chance records.
-  double feedback{0.05}, feedback_chance{1e-4};
 };
 
 struct IdentifyOptions {

@@ -289,7 +289,7 @@ struct BiasFinding {
 BiasFinding compare_responses(const FrequencyResponses& plain,
                               const FrequencyResponses& instrumental);
 
-/// With MeasureOptions::whole_record, of which records the modes are estimated in one piece, see
+/// Of which records the modes are estimated in one piece (MeasureOptions::whole_record), see
 /// identify.hpp: those with
 ///
 ///     Σ over records of samples/block   <   fewest · max(4, inputs + 2)
@@ -299,6 +299,12 @@ BiasFinding compare_responses(const FrequencyResponses& plain,
 /// the inputs and the noise's covariance take leave next to none.
 struct FewBlocks {
   double fewest{1.5};
+  /// Unasked only with lines ≤ few_lines in the band where the outputs are heard, which take two
+  /// seconds or three, or with fewer blocks than max(3, inputs + 1), of which averages give nothing.
+  double few_lines{1200.0};
+  /// Not where inputs follow outputs: the outputs' past explains > feedback of what the inputs' own
+  /// does not, and more than chance does once in 1/feedback_chance records.
+  double feedback{0.05}, feedback_chance{1e-4};
 };
 
 /// A machine at a pose: brings leg lengths to directions of the platform at Q.
@@ -333,8 +339,10 @@ struct MeasureOptions {
   /// Modes are wanted: of records with few blocks, where no option says how to average them, the
   /// samples are kept for identify_modes(Measurement), and responses are those of a model of them.
   bool for_modes{};
-  /// Modes of short records (FewBlocks) from the whole record at once. Not in a loop.
-  bool whole_record{};
+  /// Modes of short records (FewBlocks) from the whole record at once. True: or
+  /// base::ComputationError where that cannot be, as in a loop; false: never; none: where inputs do
+  /// not follow outputs.
+  std::optional<bool> whole_record{};
   FewBlocks few_blocks{};
   Window window{Window::hann};
   FilledBand filled{};  ///< what fills it less is averaged with an overlap of 3/4 in a loop

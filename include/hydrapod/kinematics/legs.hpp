@@ -28,7 +28,7 @@
 #include <array>
 
 #include "hydrapod/model/machine.hpp"
-#include "hydrapod/model/validation.hpp"
+#include "hydrapod/model/machine_file.hpp"
 #include "hydrapod/spatial/pose.hpp"
 
 namespace hydrapod::kinematics {

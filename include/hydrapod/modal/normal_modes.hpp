@@ -26,8 +26,7 @@
 ///
 /// Elastic energy is split into oil springs (gimbals in series with them included), guide sleeves,
 /// piston rings and the bending of rod and case, per leg, the base's mount and the payload's modes;
-/// these sum to 1. On a condensed base the kinetic energy of the legs is that of their motion
-/// against it. What gravity and preload give back or take (second order: curvature, weights, bent
+/// these sum to 1. What gravity and preload give back or take (second order: curvature, weights, bent
 /// legs under compression) is no elastic energy; `preload` states it as a multiple of the elastic
 /// energy: −0.6 means that preload takes away 60 % of the stiffness that the springs give the mode,
 /// −1 that the legs buckle.
@@ -57,10 +56,11 @@ void make_canonical(const ModelVector& mass_diagonal, NormalModes& modes);
 using spatial::Vector6;
 
 struct EnergyShares {
-  Vector6 platform{Vector6::Zero()};      ///< kinetic, x y z rx ry rz
-  Vector6 legs{Vector6::Zero()};          ///< kinetic, legs 1…6
-  Vector6 base{Vector6::Zero()};          ///< kinetic, x y z rx ry rz of the base itself
-  Vector6 oil{Vector6::Zero()};           ///< elastic, legs 1…6
+  Vector6 platform{Vector6::Zero()};  ///< kinetic, x y z rx ry rz
+  Vector6 legs{Vector6::Zero()};      ///< kinetic, legs 1…6
+  Vector6 base{Vector6::Zero()};      ///< kinetic, x y z rx ry rz of the base itself
+  model::LegType leg_type{};          ///< what `oil` is of
+  Vector6 oil{Vector6::Zero()};       ///< elastic, along the axes of legs 1…6; of struts theirs
   Vector6 guide_sleeve{Vector6::Zero()};  ///< elastic, legs 1…6
   Vector6 piston_ring{Vector6::Zero()};   ///< elastic, legs 1…6
   Vector6 bending{Vector6::Zero()};       ///< elastic, of rod and case, legs 1…6

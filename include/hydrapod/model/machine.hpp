@@ -11,25 +11,8 @@
 ///
 /// Source: Zhang & Jiang, Energies 2021, 14, 1604; letters as in docs/notation.md.
 ///
-/// What the machine file says about the controller and its sensors, in SI units and radians.
-///
-/// The control law (docs/theory/control.md): per leg a wanted speed of the piston
-///
-///     v = J (G e + G ∫e dt / T_i + k_ff V_cmd) − f          pose space
-///     v = G e + G ∫e dt / T_i + k_ff J V_cmd − f            leg space
-///
-/// with e the error of the pose or of the leg lengths, G the gains, V_cmd the commanded twist, f
-/// the high-passed feedback of load force or acceleration; then signal conditioning turns v into
-/// the drive of the valve. What is not given here follows from the machine
-/// (control/controller.hpp).
-///
-/// The servo-hydraulics of a hexapod as plain data: valves, supply, leakage, friction, end stops.
-///
-/// Only simulation needs it, and a machine file may leave all of it out. What has a default here
-/// has it for every machine; what is optional follows from the machine by the rules of
-/// hydraulics/servo_axis.hpp, and `hydrapod check` prints what was assumed.
-///
-/// Pressures are absolute. SI units.
+/// A leg may also be a plain strut, a spring and a damper between its joints without mass, or an
+/// electric cylinder, with a driven screw in place of the oil.
 
 #include <array>
 #include <cmath>
@@ -37,178 +20,11 @@
 #include <string>
 #include <vector>
 
+#include "hydrapod/base/units.hpp"
+#include "hydrapod/model/servo_hydraulics.hpp"
 #include "hydrapod/spatial/pose.hpp"
 
 namespace hydrapod::model {
-
-using spatial::Vector6;
-
-enum class ControlSpace {
-  pose,  ///< errors of x, y, z, rx, ry, rz by forward kinematics, as in the paper
-  leg    ///< errors of the six leg lengths
-};
-
-/// Which signal adds damping to the oil modes.
-enum class DampingFeedback {
-  pressure,  ///< load force from the chamber pressures, high-passed ("dynamic pressure feedback")
-  acceleration,  ///< acceleration of the piston in the cylinder, high-passed
-  none
-};
-
-/// What the signal conditioning corrects of the cylinder's speed per drive.
-enum class Compensation {
-  load,       ///< the speed at the present load force: needs pressure sensors
-  asymmetry,  ///< the speeds of extending and retracting under the load at the neutral pose
-  none        ///< one speed for both directions, their mean
-};
-
-/// The valve amplifier's input: drive in shares of the rated one, [−1, 1].
-struct DriveOutput {
-  double limit{1.0};                ///< (0, 1]
-  double resolution{1.0 / 32768};   ///< step of the converter, 0: none; default 16 bits over ±1
-  Vector6 scale{Vector6::Ones()};   ///< per leg, multiplies the drive
-  Vector6 offset{Vector6::Zero()};  ///< per leg, added to the drive: null of the valve
-};
-
-struct ControlSettings {
-  ControlSpace space{ControlSpace::pose};
-  std::optional<Vector6> gain{};      ///< G [1/s], per direction or per leg
-  std::optional<double> bandwidth{};  ///< [rad/s], one gain for all instead of `gain`
-  /// Where neither is given: this share of the lowest oil mode's frequency.
-  static constexpr double default_bandwidth_share = 0.3;
-  /// The same without pressure feedback.
-  static constexpr double default_bandwidth_share_undamped = 0.05;
-  std::optional<double> integral_time{};  ///< T_i [s], 0: no integral; default 8 / smallest gain
-  double velocity_feedforward{1.0};       ///< k_ff
-  DampingFeedback feedback{DampingFeedback::pressure};
-  /// Damping ratio that pressure feedback gives to the lowest oil mode, acceleration feedback to
-  /// the highest, unless `feedback_gain` says otherwise.
-  double feedback_damping{0.4};
-  std::optional<double> feedback_gain{};    ///< [m/(N s)] for pressure, [s] for acceleration
-  std::optional<double> feedback_corner{};  ///< of the high pass [rad/s]; default a tenth of the
-                                            ///< lowest oil mode's frequency
-  double sample_time{1e-3};                 ///< [s]
-  double delay{1.0};  ///< from reading the sensors to the new drive, in samples
-  Compensation compensation{Compensation::load};
-  double overlap_compensation{1.0};  ///< share of the valve's overlap that is jumped over
-  DriveOutput output{};
-};
-
-/// A sensor: true value, plus noise, clipped to the range, rounded to the resolution.
-struct Sensor {
-  double resolution{};           ///< 0: none
-  double noise{};                ///< RMS of white noise from sample to sample
-  std::optional<double> low{};   ///< least value it can show
-  std::optional<double> high{};  ///< largest value it can show
-};
-
-struct Sensors {
-  Sensor length{.resolution = 5e-6, .noise = 2e-6};        ///< leg length [m]
-  Sensor pressure{.resolution = 2e3, .noise = 5e3};        ///< chamber pressure [Pa]
-  Sensor acceleration{.resolution = 1e-3, .noise = 1e-2};  ///< piston in the cylinder [m/s²]
-};
-
-/// Four-edge servo valve with the spool as a lag of second order. Spool positions are fractions of
-/// the travel: +1 opens supply to the cap side (the leg extends), −1 to the rod side.
-struct ServoValve {
-  std::optional<double> rated_flow{};  ///< [m³/s] at full opening and the rated pressure drop
-  double rated_pressure_drop{7e6};     ///< [Pa] over both edges together, half of it over each
-  double overlap{};                    ///< of the travel; negative: underlap
-  double laminar_pressure{1e5};        ///< p_t [Pa]: below it an edge flows laminar
-  double natural_frequency{600.0};     ///< ω_v [rad/s]
-  double damping_ratio{0.8};           ///< ζ_v
-  double rate_limit{100.0};            ///< [1/s] of the travel
-  /// Null leakage [m³/s] from supply to return with ports blocked; default: 1 % of the rated flow.
-  std::optional<double> leakage{};
-};
-
-/// Laminar leakage of a cylinder, flow per pressure.
-struct CylinderLeakage {
-  std::optional<double> internal{};  ///< [m³/(s Pa)] past the piston
-  double external{};                 ///< [m³/(s Pa)] from each chamber to the outside
-};
-
-/// Bristles that stick before they slide (LuGre).
-struct LuGreBristles {
-  double stiffness{};  ///< σ0 [N/m]
-  double damping{};    ///< σ1 [N s/m]
-};
-
-/// Friction of a cylinder's seals along its axis: Coulomb, Stribeck and viscous.
-struct SealFriction {
-  std::optional<double> coulomb{};    ///< F_c [N]
-  std::optional<double> breakaway{};  ///< F_s [N], at rest; default: 1.5 F_c
-  double stribeck_velocity{0.02};     ///< v_s [m/s]
-  double smoothing_velocity{0.002};   ///< v_0 [m/s] of tanh(v / v_0); not used with bristles
-  std::optional<double> viscous{};    ///< b [N s/m]
-  std::optional<LuGreBristles> bristles{};
-};
-
-/// Friction in a leg's joints against turning of the leg's axis, at the base joint and at the
-/// platform joint.
-struct JointFriction {
-  double viscous{};             ///< [N m s/rad]
-  double coulomb{};             ///< [N m]
-  double smoothing_rate{0.01};  ///< [rad/s]
-  /// [N m/rad] of what sticks before it slides (LuGre); modes at amplitudes only.
-  std::optional<double> bristle_stiffness{};
-};
-
-/// What stops the piston at both ends of its stroke.
-struct EndStops {
-  std::optional<double> stiffness{};  ///< [N/m]; default: 20 times the oil spring
-  double damping{0.5};                ///< [s/m]: the force is k δ (1 + damping δ̇)
-};
-
-/// Gas-charged accumulator at the supply.
-struct Accumulator {
-  double gas_volume{};     ///< [m³] of gas at the precharge
-  double precharge{};      ///< [Pa]
-  double polytropic{1.4};  ///< exponent n of p Vⁿ
-};
-
-struct Supply {
-  double pressure{14e6};        ///< p_s [Pa]
-  double return_pressure{5e5};  ///< p_r [Pa]
-  /// Largest flow of the pump [m³/s]; not set: the supply holds its pressure whatever is drawn.
-  std::optional<double> pump_flow{};
-  std::optional<Accumulator> accumulator{};
-  double line_volume{1e-3};  ///< [m³] of oil between pump and valves, with a pump flow only
-};
-
-/// The cylinder that stands in for a leg which gives only its oil spring's stiffness.
-struct EquivalentCylinder {
-  double area_ratio{0.5};        ///< e
-  std::optional<double> area{};  ///< A_p [m²]
-  double bulk_modulus{1e9};      ///< β_e [Pa]
-};
-
-/// What one leg has.
-struct LegHydraulics {
-  ServoValve valve{};
-  CylinderLeakage leakage{};
-  SealFriction friction{};
-  JointFriction joint_friction{};
-  EndStops end_stops{};
-  EquivalentCylinder equivalent_cylinder{};
-};
-
-/// Lines between valves and chambers whose oil moves by itself: waves (docs/theory/hydraulics.md,
-/// "Waves in lines"). Every line that has a length; lengths and volumes are those of Cylinder.
-struct Lines {
-  double segments{};       ///< N, a whole number; 0: each line is a dead end without waves
-  double viscosity{0.04};  ///< μ [Pa s]: 46 mm²/s at 870 kg/m³, an oil of ISO VG 46 at 40 °C
-};
-
-/// More segments than a record or a controller can tell apart, and fewer than make a plant slow.
-inline constexpr int most_line_segments = 8;
-
-/// What the legs share.
-struct Hydraulics {
-  Supply supply{};
-  Lines lines{};
-  double cavitation_pressure{5e4};  ///< [Pa] about which a chamber fills with vapour
-};
 
 using spatial::Matrix3;
 using spatial::Pose;
@@ -240,12 +56,21 @@ struct Rod {
   double yield_strength{3.55e8};     ///< R_e [Pa] of the rod
 };
 
+/// Springs in series with dampers beside a seal's spring k (Prony series):
+/// k(iω) = k (1 + Σ g_j iωτ_j/(1 + iωτ_j)).
+struct MaxwellArms {
+  Vector3 strength{Vector3::Zero()};  ///< g_j ≥ 0, spring of an arm over k
+  Vector3 time{Vector3::Zero()};      ///< τ_j [s] in which it relaxes
+};
+
 /// What makes an O-ring a spring whose stiffness depends on frequency, amplitude and pressure
 /// (docs/theory/elastomers.md). The seal's `stiffness` k is that of slow and small motions.
+/// Either `arms`, or the three numbers above it, from which arms follow.
 struct Elastomer {
-  double dynamic_ratio{};            ///< k'(ω)/k at `frequency`, > 1
-  double loss_factor{};              ///< η = k''/k' there, > 0
-  double frequency{};                ///< [Hz] at which both hold
+  std::optional<double> dynamic_ratio{};  ///< k'(ω)/k at `frequency`, > 1
+  std::optional<double> loss_factor{};    ///< η = k''/k' there, > 0
+  std::optional<double> frequency{};      ///< [Hz] at which both hold
+  std::optional<MaxwellArms> arms{};
   double softening{};                ///< share of k that large amplitudes take away, [0, 1)
   double softening_amplitude{1e-4};  ///< [m] at which half of that is gone
   double pressure_stiffening{};      ///< growth of k per pressure of the oil beside the seal [1/Pa]
@@ -314,6 +139,38 @@ struct OilSpring {
   double damping{};  ///< c_h [N s/m], viscous, parallel to the spring
 };
 
+/// A spring and a damper between the joints, without mass, case and rod (docs/theory/leg.md, "Plain
+/// struts").
+struct Strut {
+  double stiffness{};  ///< [N/m]
+  double damping{};    ///< [N s/m], viscous, parallel to the spring
+};
+
+/// What drives an electric cylinder: motor, screw and nut, in place of the oil (docs/theory/
+/// actuators.md). Its case, rod and guide bush are `cylinder_case`, `rod` and `guide_sleeve`.
+struct Screw {
+  double stiffness{};                    ///< k_a [N/m] of screw, nut and bearings along the axis
+  double damping{};                      ///< c_a [N s/m], parallel to it
+  double lead{};                         ///< p [m] that the nut moves per revolution
+  double inertia{};                      ///< J [kg m²] of rotor, coupling and screw
+  std::optional<double> torque_limit{};  ///< T_max [N m] of the motor
+  std::optional<double> speed_limit{};   ///< ω_max [rad/s] of the motor
+  double friction_torque{};              ///< T_f [N m], Coulomb
+  double viscous_friction{};             ///< b [N m s/rad]
+
+  /// 2π/p [rad/m]: turns of the motor per motion of the nut, and force per torque.
+  [[nodiscard]] double ratio() const { return base::two_pi / lead; }
+  /// J (2π/p)² [kg], which the inertia is along the leg.
+  [[nodiscard]] double reflected_mass() const { return inertia * ratio() * ratio(); }
+};
+
+/// What a leg is along its axis. All six are alike.
+enum class LegType {
+  cylinder,  ///< hydraulic: case, rod, guide sleeve, oil
+  strut,     ///< Strut alone
+  screw      ///< electric cylinder: case, rod, guide sleeve, Screw
+};
+
 /// Largest tilt of a joint from where it stands at the neutral pose.
 struct JointLimits {
   std::optional<double> base{};      ///< [rad]
@@ -337,6 +194,8 @@ struct Leg {
   LegBending bending{LegBending::rigid};
   OilSpring oil_spring{};
   std::optional<Stroke> stroke{};
+  std::optional<Strut> strut{};  ///< in place of everything from `cylinder_case` to `stroke`
+  std::optional<Screw> screw{};  ///< in place of `oil_spring`
   JointLimits joint_limits{};
   double added_axial_inertia{};  ///< m_a [kg], moves with the piston only
   /// k_j [N/m] of both gimbals and their fastening along the leg; absent: they are rigid.
@@ -463,6 +322,10 @@ inline bool has_chambers(const Machine& machine) {
   return machine.damping.oil == OilDamping::chambers;
 }
 
+LegType leg_type(const Leg& leg);
+/// That of the first leg.
+inline LegType leg_type(const Machine& machine) { return leg_type(machine.legs.front()); }
+
 /// Do rod or case of a leg bend?
 bool has_elastic_legs(const Machine& machine);
 
@@ -475,7 +338,7 @@ bool has_elastomers(const Machine& machine);
 /// Does the pressure of the oil stiffen one?
 bool has_pressed_seals(const Machine& machine);
 
-/// Has a leg a viscous damper: at a guide sleeve, a piston ring or beside the oil spring?
+/// Has a leg a viscous damper: at a guide sleeve, a piston ring or along its axis?
 bool has_leg_dampers(const Machine& machine);
 bool has_rayleigh_damping(const Machine& machine);
 

@@ -9,6 +9,7 @@
 /// A ParameterId is one number: a row, an element of it, and the legs that it sets. Text becomes an
 /// id once, where a file or a person is met; a machine takes values for ids without reading text.
 
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -31,7 +32,8 @@ enum class Kind {
   word,    ///< one of `words`
   text,    ///< a string
   tensor,  ///< { xx, yy, zz, xy, xz, yz }, or three rows of three numbers
-  points   ///< six points, one for each leg
+  points,  ///< six points, one for each leg
+  rows     ///< any number of rows of numbers
 };
 
 /// The values that a number may have. Every number must be finite as well.
@@ -64,6 +66,8 @@ struct ParameterRow {
   bool mechanics{true};        ///< it, or what a table holds, enters the linear mechanical models
   bool alone{};                ///< in a sound machine, any number within the bound is sound
   bool in_code{};              ///< read and checked by code of its own: joints, gravity, poses
+  /// Paths of numbers of which one must be above 0, or the number has no effect.
+  std::array<std::string_view, 2> used_with{};
   std::span<const std::string_view> words{};
 
   int numbers{1};
@@ -94,6 +98,16 @@ std::string_view table_of(std::string_view path);
 
 /// Before the paths of what all legs have.
 inline constexpr std::string_view of_legs = "legs.";
+
+/// May a leg of that type have the key or table at `path` ("legs.rod.mass", "legs.rod")? Other
+/// paths than those of legs belong to every machine.
+bool belongs_to(LegType type, std::string_view path);
+
+/// "hydraulic cylinder", "plain strut", "electric cylinder".
+std::string_view name(LegType type);
+
+/// What is compliant along such a leg: "oil", "struts", "screws".
+std::string_view axial_part(LegType type);
 
 /// All rows, each table followed by its keys.
 std::span<const ParameterRow> parameter_table();

@@ -38,7 +38,9 @@ inline constexpr std::string_view rigid_word = "rigid";
 inline constexpr double rigid_stiffness = 1e12;
 /// The largest stiffness of a spring. Rounding of a stiffness matrix that holds it is 0.2 N/m.
 inline constexpr double stiffest = 1e15;
-[[nodiscard]] bool is_spring_rate(std::string_view unit);
+[[nodiscard]] constexpr bool is_spring_rate(std::string_view unit) {
+  return unit == "N/m" || unit == "N m/rad";
+}
 
 /// Where a value stands. `source` is 0 for the file, i for the i-th override; lines and columns
 /// count from 1, and an override has line 0.
@@ -138,10 +140,13 @@ class Section {
     return specific_.node != nullptr || general_.node != nullptr;
   }
   [[nodiscard]] bool has(std::string_view key) const { return static_cast<bool>(find(key)); }
+  /// Is it there, or was it misspelt?
+  [[nodiscard]] bool is_meant(std::string_view key) const { return has(key) || is_misspelt(key); }
   [[nodiscard]] Value find(std::string_view key) const;
 
-  /// The table `key`. A required one that is missing is reported once, and then nothing in it is.
-  [[nodiscard]] Section required_table(std::string_view key) const;
+  /// The table `key`. A required one that is missing is reported once, with `advice` behind the
+  /// message, and then nothing in it is.
+  [[nodiscard]] Section required_table(std::string_view key, std::string_view advice = {}) const;
   [[nodiscard]] Section optional_table(std::string_view key) const;
 
   /// Which of two keys that exclude each other is given; the specific table counts before the
@@ -178,7 +183,8 @@ class Section {
 
   /// The path at which a missing key is reported.
   [[nodiscard]] std::string missing_path(std::string_view key) const;
-  void report_missing(std::string_view key, std::string_view what) const;
+  void report_missing(std::string_view key, std::string_view what,
+                      std::string_view advice = {}) const;
   void report_missing_numbers(std::string_view key, std::string_view unit, std::size_t size) const;
   void report(const Value& value, std::string message) const;
 

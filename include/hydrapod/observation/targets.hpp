@@ -22,7 +22,7 @@ using Vector6c = Eigen::Matrix<std::complex<double>, 6, 1>;
 
 /// The system whose modes were measured.
 enum class Observed {
-  mechanics,  ///< legs on oil springs, undamped: a machine whose valves are shut
+  mechanics,  ///< legs on oil springs: a machine whose valves are shut
   plant,      ///< mechanics, oil and valves, damped: what the drives of the valves see
   system      ///< with the controller: what commands see, and forces on a controlled machine
 };
@@ -48,6 +48,7 @@ struct ModeTarget {
   std::string name{};               ///< "189.32 rad/s (2)", as reports call it
   std::string pose{"neutral"};      ///< one of the machine's
   double omega{};                   ///< [rad/s]
+  bool damped{};                    ///< ω is |λ|, as it is measured; else of the undamped mode
   double deviation{};               ///< standard deviation of omega [rad/s]
   std::optional<int> direction{};   ///< 0…5 for x…rz: what the platform mostly does
   std::optional<double> damping{};  ///< ratio ζ

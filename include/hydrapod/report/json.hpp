@@ -64,21 +64,23 @@ std::string damping_text(const model::Machine& machine);
 /// What damps where the oil is hydraulics and no spring: in simulations and in poles of the system.
 /// "oil by leakage, valves and friction; seals by their dampers + 1 % of critical". Without
 /// `hydraulics`: of the nonlinear mechanics on oil springs, "oil springs by their dampers; seals
-/// …".
+/// …"; of struts always that.
 std::string plant_damping_text(const model::Machine& machine, bool hydraulics = true);
 
 /// "gravity 9.81 m/s² downwards", "no gravity".
 std::string gravity_text(const model::Machine& machine);
 
-/// Which machine the results are of: "nominal", "calibrated, with platform.mass=4 t".
+/// Which machine the results are of: "nominal", "calibrated, with platform.mass=4 t"; of struts
+/// also which model they have.
 std::string state_text(const model::MachineFile& file);
 
 /// A share without its % sign: "82"; "<1" for less than half a per cent.
 std::string percent_text(double share);
 
-/// "oil 82 %, sleeves 18 %": springs that hold at least half a per cent of the elastic energy.
+/// "oil 82 %, sleeves 18 %": springs that hold at least half a per cent of the elastic energy;
+/// `leg`: whose axes `oil` is of.
 std::string energy_text(double oil, double guide_sleeve, double piston_ring, double base,
-                        double payload = 0.0, double bending = 0.0);
+                        double payload = 0.0, double bending = 0.0, model::LegType leg = {});
 std::string energy_text(const modal::EnergyShares& energy);
 
 /// "Lowest mode the platform feels: 7.45 Hz in x; …", one line with its end; empty when there is no

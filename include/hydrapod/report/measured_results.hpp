@@ -30,7 +30,7 @@
 #include "hydrapod/calibration/calibrate.hpp"
 #include "hydrapod/data/processing.hpp"
 #include "hydrapod/data/record_io.hpp"
-#include "hydrapod/diagnosis/diagnose.hpp"
+#include "hydrapod/diagnosis/overlays.hpp"
 #include "hydrapod/identification/cross_check.hpp"
 #include "hydrapod/identification/identify.hpp"
 #include "hydrapod/observation/pairing.hpp"
@@ -217,11 +217,11 @@ struct MeasuredText {
   std::string frame{};     ///< how outputs were brought to directions
 };
 
-/// What identification_json() has, and `records[]`, `measured`, `frame`, `comparison` (or null),
-/// `responses`: `frequency_hz[]`, `line[]`, `response[output][input]` with `re[]`, `im[]`,
-/// `deviation[]`, `multiple_coherence[]`, at most 1000 lines of them; `taper`: ρ − 1 at steps of
-/// `step_s`, null where resonances are not widened; poles of `stabilisation[]` with `pole` and
-/// `participation`. Numbers to seven digits.
+/// What identification_json() has, and `records[]`, `measured`, `frame`, `comparison` (or null; its
+/// `pairs[]` with `motion` of the model's modes), `outputs[].time_derivatives`, `responses`:
+/// `frequency_hz[]`, `response[output][input]` with `re[]`, `im[]`, `deviation[]`, at most 1000
+/// lines, `multiple_coherence[]`; `taper`: ρ − 1 at even steps, null where resonances are not
+/// widened; poles of `stabilisation[]` with `pole`, `participation`. Numbers to seven digits.
 Json identification_section(const identification::Identification& result,
                             const std::optional<ComparedModes>& compared, const MeasuredText& text);
 
@@ -371,5 +371,18 @@ std::string side_by_side_csv(const SideBySide& result);
 /// Differences of frequencies and damping with their 95 % intervals, and responses that at least
 /// two things have, one over the other. Throws as report's other pictures do.
 void plot_side_by_side(const SideBySide& result, const std::string& path);
+
+/// Per pose and entry: `pose`, `entry`, `direct`, `scaled`, `frequency_hz[]`, `hypotheses[]`
+/// (indices of the predictions), `curves[]` with `direction`, `unit`, `measured[]`, `predicted[][]`
+/// (empty: cannot be computed). Numbers to five digits.
+Json response_overlays_json(const std::vector<diagnosis::ResponseOverlay>& overlays,
+                            const std::vector<std::size_t>& hypotheses);
+
+/// "B − A: 5 of 6 modes of A have a partner; 2 frequencies and …".
+std::string verdict_text(const SideBySide& result, const ThingComparison& comparison);
+
+/// What side_by_side_json() has, with `comparisons[].verdict`, and responses as a picture needs
+/// them: up to one and a half times the highest mode, at most 1000 lines, to six digits.
+Json comparison_section(const SideBySide& result);
 
 }  // namespace hydrapod::report

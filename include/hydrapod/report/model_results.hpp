@@ -10,6 +10,8 @@
 /// plots.
 ///
 /// Modes at several poses of one machine.
+///
+/// Studies and designs as JSON and pictures.
 
 #include <optional>
 #include <string>
@@ -18,23 +20,25 @@
 #include "hydrapod/dynamics/linear_model.hpp"
 #include "hydrapod/kinematics/legs.hpp"
 #include "hydrapod/modal/damped_modes.hpp"
+#include "hydrapod/model/machine_file.hpp"
 #include "hydrapod/realtime/realtime.hpp"
 #include "hydrapod/report/json.hpp"
 #include "hydrapod/response/frequency_response.hpp"
 #include "hydrapod/simulation/capability.hpp"
 #include "hydrapod/simulation/closed_loop.hpp"
 #include "hydrapod/simulation/linear_system.hpp"
+#include "hydrapod/study/study.hpp"
 
 namespace hydrapod::report {
 
 /// One leg at a pose.
 struct LegCheck {
   double length{};                       ///< l [m]
-  double piston{};                       ///< l_m [m]
+  double piston{};                       ///< l_m [m]; NaN of a strut, as is
   double guided_length{};                ///< l_mh [m]
   std::optional<double> retract_left{};  ///< stroke left inwards [m]; none without a stroke
   std::optional<double> extend_left{};   ///< and outwards [m]
-  double oil_stiffness{};                ///< k_h [N/m]
+  double oil_stiffness{};                ///< k_h [N/m]; of a strut its stiffness
   double axial_force{};    ///< static, of the oil on the piston [N], positive in compression
   double tilt{};           ///< static tilt of the rod in the guide sleeve [rad]
   double sleeve_offset{};  ///< static, of the rod at the guide sleeve [m]
@@ -48,6 +52,10 @@ struct LegCheck {
   /// Chamber pressures at rest [Pa], absolute; none where the supply cannot hold the load.
   std::optional<double> cap_pressure{}, rod_pressure{};
   double largest_push{}, largest_pull{};  ///< of the oil at the supply pressure [N]
+  /// Of an electric cylinder: |F| p/2π [N m] that the motor holds at rest, and its limits; what it
+  /// moves the leg with is `largest_push` and `largest_pull`, infinite without a torque limit.
+  std::optional<double> holding_torque{}, torque_limit{};
+  std::optional<double> largest_speed{};  ///< p ω_max/2π [m/s]
   /// As a column of rod and case; none where the file does not say how thick the rod is.
   std::optional<dynamics::ColumnStrength> column{};
 };
@@ -67,7 +75,15 @@ struct PoseWarning {
     rod_buckles,     ///< value: static force [N]; ratio: what the leg bears as a column [N]
     little_reserve,  ///< value: what the leg bears as a column over the static force
     slender_rod,     ///< value: push of the oil [N]; ratio: what the leg bears as a column [N]
-    rod_on_guide     ///< value: static offset at the guide sleeve [m]; ratio: the gap [m]
+    rod_on_guide,    ///< value: static offset at the guide sleeve [m]; ratio: the gap [m]
+    soft_oil,        ///< rigid legs do not stand either; value: mass that must come off [kg]
+    weak_pump,       ///< value: flow of the pump; ratio: leakage of the valves at rest [m³/s]
+    stuck,          ///< value: break-away friction [N]; ratio: what the oil has beside the load [N]
+    much_friction,  ///< value: break-away friction [N]; ratio: push of the oil [N]
+    soft_struts,    ///< the machine on its struts is unstable; value: mass that must come off [kg]
+    soft_screws,    ///< the same of electric cylinders with rigid guides
+    weak_motor,     ///< value: static force [N]; ratio: what the motor can give against it [N]
+    slender_screw   ///< value: push of the motor [N]; ratio: what the leg bears as a column [N]
   };
   Kind kind{};
   double value{};           ///< of the worst leg
@@ -95,8 +111,16 @@ struct PoseCheck {
 bool is_fatal(PoseWarning::Kind kind);
 bool is_sound(const PoseCheck& check);
 
-/// One sentence over all poses: sound, or not and why.
-std::string verdict_text(const std::vector<PoseCheck>& poses);
+/// Is the finding of model::unusual_numbers() about a number beyond the range of its key, as a bore
+/// of 100 m is? A number that is unusual beside others only, as a light platform on heavy legs, is
+/// not implausible.
+bool is_implausible(const model::Machine& machine, const model::Finding& finding);
+
+/// Sound at all poses, and without an implausible number.
+bool is_sound(const std::vector<PoseCheck>& poses, const model::Machine& machine);
+
+/// One sentence over all poses: sound, or not and why. It names unusual numbers.
+std::string verdict_text(const std::vector<PoseCheck>& poses, const model::Machine& machine);
 
 /// `hydrapod check`: legs, strokes, static forces and buckling at poses.
 Json check_json(const std::vector<PoseCheck>& poses, const model::Machine& machine);
@@ -112,7 +136,7 @@ std::string limit_text(simulation::Limit limit);
 /// without a capability.
 void plot_capability(const PoseCheck& check, const std::string& title, const std::string& path);
 
-/// "45.92 kg", "74940 kg": four digits, but never a power of ten.
+/// "45.92 kg", "74940 kg": four digits, and a power of ten from 1e9 kg on only.
 std::string mass_text(double mass);
 
 struct BodeOptions {
@@ -203,12 +227,17 @@ struct RootLocus {
   /// Where the sampled loop passes from stable to unstable or back between two values, bisected to
   /// 1e-4 of their distance.
   std::vector<double> limits{};
+  /// Of the machine as it is, for pictures; the number too where the machine holds it.
+  simulation::SystemPoles today{};
+  std::optional<double> today_value{};
 };
 Json root_locus_json(const RootLocus& locus);
 /// Reads it. Of the poles there is λ alone.
 RootLocus root_locus_from_json(const Json& json, const std::string& file);
 std::string root_locus_csv(const RootLocus& locus);
-/// Poles in the complex plane, coloured by the value. Throws as plot_bode does.
+/// Poles in the complex plane, coloured by the value, with rays of equal damping ratio, an arrow
+/// along each branch towards the last value, and a cross at the poles of today. Throws as
+/// plot_bode does.
 void plot_root_locus(const RootLocus& locus, const std::string& title, const std::string& subtitle,
                      const std::string& path);
 
@@ -295,8 +324,8 @@ struct ModesAtAmplitudes {
   std::vector<double> amplitudes{};             ///< [m] of the platform joint that moves most
   std::vector<modal::AmplitudeCurve> curves{};  ///< a branch each
 };
-/// `amplitude_m[]`, and `curves[]` with `mode`, `direction`, `frequency_hz` where the branch begins,
-/// `points[]`, `further[]`, `turning_points[]` and `end`.
+/// `amplitude_m[]`, and `curves[]` with `mode`, `direction`, `frequency_hz` where the branch
+/// begins, `points[]`, `further[]`, `turning_points[]` and `end`.
 Json modes_at_amplitudes_json(const ModesAtAmplitudes& modes);
 ModesAtAmplitudes modes_at_amplitudes_from_json(const Json& json, const std::string& file);
 /// A line per solution, branch by branch in its order.
@@ -316,5 +345,37 @@ inline double peak_height(double mac, double omega, double omega_rigid) {
 
 /// Throws base::InputError for a picture ending that plots do not know.
 void require_picture_ending(const std::string& path);
+
+/// `rows`, `rows_planned`, `complete`, `seed`, `inputs[]`, `statuses`, `outputs[]` with mean,
+/// deviation and quantiles, `requirements[]` with the probability of missing them and its interval,
+/// `indices[]` where they were asked for.
+Json study_json(const study::Problem& problem, const study::Plan& plan,
+                const std::vector<study::Requirement>& requirements, const study::Summary& summary);
+
+/// A value over two inputs that form a grid, the second one fastest; NaN: no value.
+struct Field {
+  std::string x_name{}, y_name{};  ///< with units
+  std::vector<double> x{}, y{};
+  std::string name{};  ///< of the value, with its unit
+  std::vector<double> values{};
+};
+
+/// Heat map with contours; where there is no value the plane is grey.
+void plot_field(const Field& field, const std::string& title, const std::string& subtitle,
+                const std::string& path);
+
+/// `feasible`, `evaluations`, `changes[]`, `aims[]`, `requirements[]` with what can be reached,
+/// `limits[]` with prices, `front[]` of two aims.
+Json design_json(const study::DesignProblem& problem, const study::DesignResult& result);
+
+/// The curve of two aims.
+void plot_trade_off(const study::DesignProblem& problem, const study::DesignResult& result,
+                    const std::string& title, const std::string& subtitle, const std::string& path);
+
+/// Per change, what each requirement has to spare where this change alone differs from the design;
+/// the design is a dashed line, what misses a requirement is grey.
+void plot_design_slices(const study::DesignProblem& problem, const study::DesignResult& result,
+                        const std::vector<study::Slice>& slices, const std::string& title,
+                        const std::string& subtitle, const std::string& path);
 
 }  // namespace hydrapod::report

@@ -45,6 +45,8 @@ struct Instruments {
   model::Sensor length{.resolution = 5e-6, .noise = 2e-6};   ///< leg lengths [m]
   model::Sensor pressure{.resolution = 2e3, .noise = 5e3};   ///< chambers [Pa]
   model::Sensor current{.resolution = 1e-4, .noise = 1e-4};  ///< valves, share of the rated current
+  model::Sensor torque{.resolution = 0.01, .noise = 0.02};   ///< motors of electric drives [N m]
+  model::Sensor speed{.resolution = 1e-3, .noise = 5e-3};    ///< the same [rad/s]
   std::vector<Accelerometer> accelerometers{};
   bool anti_alias{true};       ///< Butterworth of order 8, −3 dB at 0.4 of the record's rate
   double drop_outs{};          ///< per second and channel
@@ -92,8 +94,8 @@ using spatial::Vector6;
 /// wrench_units.
 enum class Entry {
   command,  ///< displacement of the demanded pose, levels in m and rad
-  drive,    ///< added to the valves' drives: levels as shares of full drive of the leg that a
-            ///< direction moves most
+  drive,    ///< added to the drives of valves or motors: levels as shares of full drive of the leg
+            ///< that a direction moves most
   wrench    ///< force and moment about the mass centre, levels in N and N m
 };
 
@@ -123,8 +125,10 @@ spatial::Matrix6 excitation_jacobian(const model::Machine& machine, const spatia
 spatial::Matrix6 drive_shares(const spatial::Matrix6& J);
 
 /// Channels in the order of the record: 6 excitations, 6 valve currents, 6 leg lengths, 12 chamber
-/// pressures, accelerometers.
-std::vector<data::Channel> rig_channels(const RigOptions& options);
+/// pressures, accelerometers. Electric cylinders have commands of the motors' speeds in place of
+/// valve currents, and torque and speed of each motor in place of both pressures.
+std::vector<data::Channel> rig_channels(const RigOptions& options,
+                                        model::LegType legs = model::LegType::cylinder);
 
 /// What keeps the machine from following, too little stroke, valves, full drive; or from standing
 /// still: a loop that is unstable.

@@ -24,8 +24,8 @@
 ///
 /// Loop gain: the machine's position loop without integral and damping feedback begins to grow at a
 /// gain near 2 ζ_j ω_j of the least damped mode of the oil (Merritt, Hydraulic Control Systems,
-/// 1967, ch. 8), ζ_j being that of valves, leakage and friction. Here it is the gain at which a pole
-/// of the linear loop (linear_system.hpp), its delay and compensation included, reaches the
+/// 1967, ch. 8), ζ_j being that of valves, leakage and friction. Here it is the gain at which a
+/// pole of the linear loop (linear_system.hpp), its delay and compensation included, reaches the
 /// imaginary axis.
 
 #include <array>
@@ -54,9 +54,11 @@ enum class Limit {
   base_joint,      ///< tilt of a leg's joint
   platform_joint,  ///< the same
   singular,        ///< the legs do not hold the platform
-  range            ///< none as far as was looked: half a turn, four times the size of the machine
+  range,           ///< none as far as was looked: half a turn, four times the size of the machine
+  torque,          ///< of the motor of an electric cylinder
+  motor_speed      ///< the same
 };
-inline constexpr int limit_count = 12;
+inline constexpr int limit_count = 14;
 /// "push", …; one word of the JSON each.
 const char* name(Limit limit);
 
@@ -69,7 +71,7 @@ struct Reach {
 
 /// What one leg can do at the pose.
 struct LegAbility {
-  double force{};         ///< f_0 [N], of the oil on the piston, + pushes the leg out
+  double force{};         ///< f_0 [N], of oil or screw on the piston, + pushes the leg out
   double push{}, pull{};  ///< F_push, F_pull [N]
   std::optional<dynamics::ColumnStrength> column{};
   double extending{}, retracting{};          ///< speeds [m/s]
@@ -90,8 +92,9 @@ struct Capability {
 };
 
 /// Of the model `kind` at the pose. Nothing where the machine does not stand there: no equilibrium,
-/// a supply that cannot hold the load, a rod that buckles. Without `with_gain` it has no gain limit,
-/// which takes most of the time.
+/// a supply that cannot hold the load, a rod that buckles. Without `with_gain` it has no gain
+/// limit, which takes most of the time. Of electric cylinders none where a motor has no torque
+/// limit or no speed limit; their jerk is infinite. Throws base::InputError for struts.
 std::optional<Capability> capability(const model::Machine& machine, const spatial::Pose& X_BP,
                                      dynamics::ModelKind kind, bool with_gain = true);
 

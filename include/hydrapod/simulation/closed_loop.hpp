@@ -1,5 +1,6 @@
 #pragma once
-/// The machine under its controller: plant, sensors, sampled control law, delay, valve drives.
+/// The machine under its controller: plant, sensors, sampled control law, delay, drives of the
+/// valves or of the motors of electric cylinders.
 ///
 /// At every sample t_k = k T the sensors are read and the controller computes drives, which reach
 /// the valves at t_k + delay · T (any fraction of samples) and stay until the next ones do. Between
@@ -125,9 +126,11 @@ class Integrator {
 
 /// What moves or holds the legs.
 enum class Actuators {
-  controlled,  ///< valves, by the controller
-  held,        ///< valves that stay as they are at rest, but for the excitation's drives
-  springs      ///< the oil springs of the linear model; `plant.hydraulics` is false then
+  controlled,  ///< valves or motors, by the controller
+  held,        ///< valves that stay as they are at rest, motors whose speed is held at 0, but for
+               ///< the excitation's drives
+  springs      ///< the oil springs of the linear model, motors that cannot turn;
+               ///< `plant.hydraulics` is false then
 };
 
 struct LoopOptions {
@@ -233,6 +236,9 @@ struct RunSummary {
   std::array<double, model::leg_count> peak_speed{};                 ///< |ṡ| [m/s]
   std::array<double, model::leg_count> peak_drive{};                 ///< applied
   std::array<long, model::leg_count> limited{};  ///< samples with the drive at its limit
+  /// Of electric drives: |T| [N m], and samples with the torque at its limit.
+  std::array<double, model::leg_count> peak_torque{};
+  std::array<long, model::leg_count> torque_limited{};
 };
 
 class ClosedLoop {
@@ -287,7 +293,9 @@ struct Trace {
   std::vector<Vector6> motion{};   ///< the same of the platform
   std::vector<Vector6> piston{};   ///< s per leg, from the base joint [m]
   std::vector<Vector6> drive{};    ///< at the valves
-  std::vector<Vector6> cap_pressure{}, rod_pressure{};  ///< [Pa]
+  std::vector<Vector6> cap_pressure{}, rod_pressure{};  ///< [Pa]; none with electric drives
+  /// Of electric drives alone: way of the nuts [m], speed [rad/s] and torque [N m] of the motors.
+  std::vector<Vector6> nut{}, motor_speed{}, torque{};
 };
 
 /// Collects at most `most` samples of a run, evenly.
@@ -299,6 +307,7 @@ class TraceRecorder {
 
  private:
   Pose operating_;
+  bool drives_;  ///< electric ones
   long stride_{1};
   long seen_{};
   Trace trace_{};
@@ -308,7 +317,8 @@ class TraceRecorder {
 /// recorded), platform.x … rz (displacements from the
 /// operating pose), platform.ax … arz (acceleration of the platform's origin), then per leg its
 /// length, measured length, drive at the valve, spool, both pressures (of these four nothing with
-/// oil springs), oil force, and with flexible legs the offset of the rod in its guide sleeve; the
+/// oil springs; with electric drives drive, way of the nut, speed and torque of the motor in their
+/// place), oil force, and with flexible legs the offset of the rod in its guide sleeve; the
 /// supply pressure where it moves.
 std::vector<data::Channel> record_channels(const ClosedLoop& loop);
 
@@ -327,6 +337,10 @@ std::vector<MotionFinding> check_motion(const Plant& plant,
                                         const control::ControllerParameters& parameters,
                                         const Pose& operating, signals::Generator& signal,
                                         double until);
+
+/// Why the machine does not stay at its operating pose without excitation: legs that buckle under
+/// the present load, or a closed loop that is unstable by its sampled poles. Empty where it stays.
+std::string instability(const ClosedLoop& loop);
 
 /// Why a pose that the platform has come to ends a run: a joint beyond its limit, a singular pose.
 /// Empty when it does not.

@@ -30,6 +30,9 @@
 ///     pressure feedback g = 2 ζ ω_1 / k_h;  acceleration feedback  g = 2 ζ / ω_6
 ///     feedback corner   0.1 ω_1
 ///
+/// Of electric cylinders ω_1 is that with held motors. They have no pressure feedback and need no
+/// compensation: the speed at full drive is p ω_max/2π whatever the load.
+///
 /// One mass m on one such leg, Ḟ = k_h (v_valve − v), m v̇ = F, answers to v_valve = −g F with
 /// s² + k_h g s + k_h/m = 0: damping ratio ζ_j = k_h g / 2ω_j for a mode at ω_j, and a velocity
 /// gain is stable up to 2 ζ_j ω_j = k_h g, whatever the mode. Fed-back acceleration gives ζ_j = g
@@ -66,11 +69,12 @@ enum class Part {
   delay,
   base,
   payload,
-  line  ///< with waves
+  line,  ///< with waves
+  motor  ///< of electric cylinders
 };
-inline constexpr int part_count = 16;
+inline constexpr int part_count = 17;
 /// "platform x", …, "seals", "oil", "valves", "supply", "friction", "controller", "delay", "base",
-/// "payload", "lines".
+/// "payload", "lines", "motors".
 const char* name(Part part);
 
 struct StatePart {
@@ -121,7 +125,7 @@ struct SystemPole {
   double damping_ratio{};                       ///< −Re λ / |λ|, 1 for real stable poles
   int group{};                                  ///< same number for equal poles
   std::array<double, part_count> parts{};       ///< participation by Part, sum 1
-  std::array<double, model::leg_count> legs{};  ///< of seals, oil, lines, valves by leg
+  std::array<double, model::leg_count> legs{};  ///< of seals, oil, lines, valves, motors by leg
   /// C v: how P's origin moves against the base in it, any scale. Equal poles: together they span
   /// the motion.
   Eigen::Matrix<std::complex<double>, 6, 1> motion{
@@ -153,6 +157,13 @@ struct Tuning {
   control::ControllerParameters parameters{};
   double lowest_oil_mode{};  ///< ω_1 [rad/s]
 };
+
+/// Electric cylinders whose motors turn freely, for small motions about rest at `X_BP`
+/// (docs/theory/actuators.md). States: y and the way of each nut s_n [m], their rates, the arms of
+/// elastomers. B_valve is per motor torque [N m]. Modal ratios damp nothing here; named dampers,
+/// Rayleigh's damping and the motors' viscous friction do.
+LinearSystem screw_system(const model::Machine& machine, const spatial::Pose& X_BP,
+                          dynamics::ModelKind kind);
 
 /// Throws base::ComputationError where the machine does not stand at `X_BP`.
 Tuning tune_controller(const model::Machine& machine, const spatial::Pose& X_BP);

@@ -1,6 +1,7 @@
 #pragma once
-/// The machine that a controller meets: nonlinear mechanics, chambers, valves and supply as one
-/// ordinary differential equation ẋ = f(x, input).
+/// The machine that a controller meets: nonlinear mechanics and actuators as one ordinary
+/// differential equation ẋ = f(x, input). Actuators are chambers, valves and supply, or the drives
+/// of electric cylinders (docs/theory/actuators.md, "Drives").
 ///
 /// State x, in this order (StateLayout; units in state_units()):
 ///     y    position of C [m], quaternion of R_BP (w, x, y, z), per leg φ1, φ2 [rad] (, u1, u2
@@ -9,6 +10,8 @@
 ///     v    velocity of C [m/s], ω in base axes [rad/s], rates of the flexible coordinates, of ξ
 ///     p    per leg the cap-side and the rod-side pressure [Pa, absolute]
 ///     w    per leg spool position [of the travel] and its rate [1/s]
+///          (in place of p and w of electric cylinders: s_n, ṡ_n, T_i per leg, the way of the nut
+///          [m], its rate [m/s], the integral part of the torque [N m])
 ///     p_s  supply pressure [Pa], with a limited pump only
 ///     z    per leg the bristles' bend [m], with LuGre friction in any leg only
 ///     p, q per line with waves (a length and `lines.segments` N) its pressures from the valve on
@@ -33,7 +36,8 @@
 /// A compliant base (`base.mount`) moves as dynamics/nonlinear.hpp says. Poses, lengths and
 /// everything else is then against the base, in its axes, unless it says otherwise.
 ///
-/// Input: valve commands in [−1, 1] (+: the leg extends) and a wrench on the platform.
+/// Input: commands of the valves, or of the motors' speeds as shares of the largest one, in
+/// [−1, 1] (+: the leg extends), and a wrench on the platform.
 ///
 /// Damping. Seals, joints and hydraulics damp by their own laws. Of `[damping]`, Rayleigh's α acts
 /// as −α v on the accelerations, β as a damper β k beside every spring; model::modal_ratio goes to
@@ -64,13 +68,16 @@ enum class Friction {
 };
 
 struct PlantOptions {
-  bool hydraulics{true};
+  bool hydraulics{true};  ///< the actuators: valves and oil, or electric drives
   Friction friction{Friction::all};
   bool oil_springs{true};  ///< without hydraulics; false: PlantInput::axial holds the legs
+  /// Of electric drives; false: commands do nothing, and motors turn freely about the torques that
+  /// hold them at rest.
+  bool speed_loops{true};
 };
 
 struct PlantInput {
-  Vector6 command{Vector6::Zero()};  ///< of the valves, clipped to [−1, 1]
+  Vector6 command{Vector6::Zero()};  ///< of valves or motors, clipped to [−1, 1]
   Vector6 wrench{Vector6::Zero()};   ///< force [N] and moment [N m] about C, base axes
   /// On the pistons along the legs [N], + pushes the leg out; `oil_springs = false` only.
   Vector6 axial{Vector6::Zero()};
@@ -83,6 +90,7 @@ struct StateLayout {
   int payload{};      ///< modes of the payload: as many last ones of y and of v
   int pressures{-1};  ///< first of 12: leg 1 cap, leg 1 rod, leg 2 cap, …
   int spools{-1};     ///< first of 12: leg 1 position, leg 1 rate, leg 2 position, …
+  int nuts{-1};       ///< first of 18: leg 1 s_n, ṡ_n, T_i, leg 2 s_n, …
   int supply{-1};
   int bristles{-1};   ///< first of 6
   int line_states{};  ///< of one line, 2 N; 0: no lines with waves
@@ -100,6 +108,7 @@ struct StateLayout {
   [[nodiscard]] int cap(int leg) const { return pressures + 2 * leg; }
   [[nodiscard]] int rod(int leg) const { return pressures + 2 * leg + 1; }
   [[nodiscard]] int spool(int leg) const { return spools + 2 * leg; }
+  [[nodiscard]] int nut(int leg) const { return nuts + 3 * leg; }
 };
 
 struct LegOutput {
@@ -113,11 +122,12 @@ struct LegOutput {
   double supply_flow{}, return_flow{};  ///< of the valve [m³/s]
   double internal_leakage{};            ///< cap side to rod side [m³/s]
   double external_leakage{};            ///< out of both chambers [m³/s]
-  double oil_force{};                   ///< on the piston, + pushes the leg out [N]
-  double friction_force{};              ///< on the rod along s [N]
-  double stop_force{};                  ///< [N]
+  double oil_force{};       ///< of oil, or of the screw, on the piston, + pushes the leg out [N]
+  double friction_force{};  ///< on the rod along s [N]
+  double stop_force{};      ///< [N]
   dynamics::Vector4 flexible{dynamics::Vector4::Zero()};       ///< φ1, φ2, u1, u2
   dynamics::Vector2 sleeve_offset{dynamics::Vector2::Zero()};  ///< d_s [m]
+  double nut{}, motor_speed{}, torque{};  ///< s_n [m], θ̇ [rad/s], T [N m] of an electric drive
 };
 
 /// The base against the ground, at the origin of B; all zero where it is rigid.
@@ -142,10 +152,14 @@ struct PlantOutput {
   double supply_pressure{};
   double pump_flow{}, supply_flow{}, return_flow{};  ///< [m³/s]; supply: drawn by the valves
   dynamics::Energies energies{};                     ///< of the mechanism
-  double oil_spring_energy{};  ///< [J], `hydraulics = false` only, from the reference pose
-  double gimbal_energy{};      ///< [J], with hydraulics: Σ F²/2k_j; else part of the oil springs'
-  double seal_arms_energy{};   ///< [J], of the arms of seals that are elastomers
-  double dissipation{};        ///< [W]: seals, joints, friction, dampers, mount; not the hydraulics
+  /// [J], with `hydraulics = false` from the reference pose; of the screws (and gimbals) that
+  /// electric drives turn; else 0.
+  double oil_spring_energy{};
+  double motor_energy{};      ///< [J], kinetic, of the rotors of electric drives
+  double motor_power{};       ///< [W], Σ T θ̇: what the motors put in
+  double gimbal_energy{};     ///< [J], with hydraulics: Σ F²/2k_j; else part of the oil springs'
+  double seal_arms_energy{};  ///< [J], of the arms of seals that are elastomers
+  double dissipation{};       ///< [W]: seals, joints, friction, dampers, mount; not the hydraulics
   double line_kinetic_energy{};  ///< [J], of the oil in lines with waves
   double line_dissipation{};     ///< [W], by the viscosity of that oil
 };
@@ -157,8 +171,20 @@ struct LinearPlant {
   Eigen::MatrixXd A{}, B{}, C{}, D{};
 };
 
-struct OilState;  // private to the sources, as is
+/// The controller of a motor's speed: torque k_p (e + ∫e dt/t_i) for an error e of the speed.
+struct SpeedLoop {
+  double bandwidth{};      ///< k_p/J [rad/s]: of a rotor without load
+  double gain{};           ///< k_p [N m s/rad]
+  double integral_time{};  ///< t_i [s]
+};
+
+/// Bandwidth 50 Hz and t_i = 4/bandwidth, where both poles of the free rotor are at half the
+/// bandwidth.
+SpeedLoop speed_loop(const model::Screw& screw);
+
+struct OilState;  // private to the sources, as are
 struct OilRates;
+struct Drives;
 
 class Plant {
  public:
@@ -203,11 +229,15 @@ class Plant {
   /// Leg lengths l [m] at x: what transducers see.
   [[nodiscard]] Vector6 leg_lengths(const double* x) const;
 
+  /// Torques of electric drives at x [N m], limits included; zero without drives.
+  [[nodiscard]] Vector6 motor_torques(const double* x, const Vector6& command) const;
+
   /// x ⊕ δx: adds a small change; the rotation acts from the left (base axes).
   void displace(const double* x, const double* change, double* result) const;
   [[nodiscard]] LinearPlant linearise(const Eigen::VectorXd& x, const PlantInput& input) const;
   /// "x", …, "rz" of the platform at C, "leg1.l", …, "leg1.l_rate", …, "leg1.p_cap", "leg1.p_rod",
-  /// …, "ax", …, "arz" (accelerations of C and ω̇ against the ground; all else against the base).
+  /// … (of electric drives "leg1.torque", "leg1.motor_speed", …), "ax", …, "arz" (accelerations of
+  /// C and ω̇ against the ground; all else against the base).
   [[nodiscard]] std::vector<std::string> linear_output_names() const;
 
   /// Event functions; each changes its sign when something happens.
@@ -245,6 +275,13 @@ class Plant {
   double spring_side(int leg, const dynamics::LegMotion& motion, const PlantInput& input,
                      LegOutput& out) const;
   void supply_side(const double* x, double* rate, Work& work) const;
+  void set_drives();
+  [[nodiscard]] double screw_stretch(int leg, double nut, double s) const;
+  void drives_side(const double* x, const PlantInput& input, double* rate, Vector6& axial,
+                   Work& work) const;
+  void drives_outputs(const double* x, const Work& work, PlantOutput& out) const;
+  void hold_by_drives(const dynamics::StaticEquilibrium& statics, const dynamics::Motion& now,
+                      Rest& rest) const;
   void set_lines();
   void lines_side(const double* x, double* rate, const Work& work) const;
   void lines_outputs(const double* x, PlantOutput& out) const;
@@ -283,6 +320,7 @@ class Plant {
   /// Of the seals that are elastomers.
   std::array<dynamics::SealArms, model::leg_count> sleeve_arms_{}, ring_arms_{};
   std::shared_ptr<const OilConstants> oil_constants_{};  ///< all legs side by side
+  std::shared_ptr<const Drives> drives_{};               ///< null without electric drives
   dynamics::MovingBase base_{};                          ///< `count` 0: stands still
   StateLayout layout_{};
 };

@@ -324,7 +324,7 @@ Problem machine_problem(const model::Machine& machine, std::vector<Input> inputs
 
 /// Undamped frequencies of many designs of one machine at one pose, several at a time in SIMD
 /// lanes; for one thread. They are those of modal::normal_modes() but for rounding (1e-12 of each;
-/// 1e-11 under gravity). They do not depend on the designs beside.
+/// 5e-11 under gravity beside nearly rigid sleeves). They do not depend on the designs beside.
 class DesignFrequencies {
  public:
   DesignFrequencies(const model::Machine& machine, const spatial::Pose& X_BP,

@@ -58,6 +58,7 @@ struct DiagnoseOptions {
 struct Diagnosed {
   Machine machine{};  ///< as given, its pose among those of its file
   diagnosis::CaseFile file{};
+  observation::Targets measured{};     ///< as the files have it, with all lines of responses
   std::vector<std::string> origins{};  ///< see MeasuredTargets
   std::vector<base::Diagnostic> warnings{};
 };
@@ -77,6 +78,7 @@ struct ReportOptions {
   std::optional<IdentifyOptions> identification{};  ///< beside the modes at the first pose
   /// The page then shows the machine that explains the measurement best, its guilty mode first.
   std::optional<DiagnoseOptions> diagnosis{};
+  std::string comparison{};  ///< JSON of compare() to be shown too; empty: none
 };
 
 struct Report {

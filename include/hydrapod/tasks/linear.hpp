@@ -99,6 +99,8 @@ struct CheckOptions {
   /// Strength as a column < column_reserve · static force: the reserve that makers of cylinders ask
   /// for, since a rod is never straight and loads are never static.
   double column_reserve{3.5};
+  /// Break-away friction > much_friction · push of the oil: seals of cylinders have 2 % to 5 %.
+  double much_friction{0.2};
 };
 
 /// Legs, static forces and buckling at `poses`; none given: at the machine's own pose.

@@ -43,8 +43,9 @@ model::NamedPose pose_of(const model::Machine& machine, const std::string& text)
 spatial::Vector6 displacement_of(const model::Machine& machine, const spatial::Pose& from,
                                  const std::string& text, const std::string& place);
 
-/// The model asked for; if none was, the full one where every leg has a piston ring, else the guide
-/// model. Throws base::InputError for the full model of legs without a piston ring.
+/// The model asked for; if none was, the full one where every leg has a piston ring, the rigid one
+/// of struts, else the guide model. Throws base::InputError for the full model of legs without a
+/// piston ring, and for a flexible one of struts.
 dynamics::ModelKind model_of(const model::Machine& machine,
                              std::optional<dynamics::ModelKind> asked = {});
 

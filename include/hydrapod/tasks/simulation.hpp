@@ -15,6 +15,11 @@ namespace hydrapod::tasks {
 struct Origin {
   std::string program{};               ///< name, version, commit; empty: this library's version
   std::vector<std::string> command{};  ///< its arguments
+  struct Input {
+    std::string path{};
+    std::string sha256{};  ///< hexadecimal digits
+  };
+  std::vector<Input> inputs{};  ///< files that were read
 };
 
 struct SimulateOptions {

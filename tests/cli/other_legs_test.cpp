@@ -1,0 +1,217 @@
+/// Plain struts and electric cylinders at the command line: what works says which legs it is of,
+/// what needs hydraulics is refused in one sentence.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <regex>
+
+#include "support/other_legs.hpp"
+#include "support/run_program.hpp"
+
+namespace hydrapod {
+namespace {
+
+using test::run_hydrapod;
+using testing::HasSubstr;
+using testing::Not;
+
+class OtherLegs : public testing::Test {
+ protected:
+  OtherLegs() {
+    test::write_text(folder_ / "struts.toml", test::strut_file);
+    test::write_text(folder_ / "screws.toml", test::screw_file);
+  }
+  test::RunResult run(const std::vector<std::string>& arguments) {
+    return run_hydrapod(arguments, {.folder = folder_.path()});
+  }
+  test::TemporaryFolder folder_{};
+};
+
+constexpr auto of_struts = "the legs are plain struts: results are of the rigid-leg model";
+
+TEST_F(OtherLegs, CheckOfStrutsHasNeitherOilNorStroke) {
+  const auto result = run({"check", "struts.toml"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr(of_struts));
+  EXPECT_THAT(result.out, HasSubstr("strut N/µm"));
+  EXPECT_THAT(result.out, HasSubstr("Sound at all 2 poses."));
+  for (const char* word : {"oil", "piston", "stroke", "hydraulics", "column", "Buckling"})
+    EXPECT_THAT(result.out, Not(HasSubstr(word)));
+}
+
+TEST_F(OtherLegs, ModesOfStrutsSayWhichModelTheyAreOf) {
+  const auto result = run({"modes", "struts.toml"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("rigid-leg model, 6 modes"));
+  EXPECT_THAT(result.out, HasSubstr(of_struts));
+  EXPECT_THAT(result.out, HasSubstr("struts of"));
+  EXPECT_THAT(result.out, HasSubstr("struts 100 %"));
+  const auto json = nlohmann::json::parse(run({"modes", "struts.toml", "--format", "json"}).out);
+  EXPECT_THAT(json["machine"]["state"].get<std::string>(), HasSubstr(of_struts));
+  EXPECT_EQ(json["modes"].size(), 6u);
+  EXPECT_EQ(run({"modes", "struts.toml", "--poses", "all"}).exit_code, 0);
+}
+
+TEST_F(OtherLegs, OtherCommandsOfMechanicsWorkWithStruts) {
+  for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
+           {"bode", "struts.toml"},
+           {"sensitivity", "struts.toml"},
+           {"sweep", "struts.toml", "--over", "legs.strut.stiffness=10:20:5 kN/mm"},
+           {"montecarlo", "struts.toml", "--vary", "legs.strut.stiffness=normal ± 5 %", "--samples",
+            "20"},
+           {"export", "struts.toml", "--to", "mjcf", "-o", "struts.xml"},
+           {"simulate", "struts.toml", "--actuators", "springs", "--initial", "z=2 mm", "--until",
+            "0.2", "-o", "run.csv"}}) {
+    const auto result = run(arguments);
+    EXPECT_EQ(result.exit_code, 0) << arguments[0] << ": " << result.err;
+  }
+}
+
+TEST_F(OtherLegs, WhatNeedsHydraulicsIsRefused) {
+  constexpr auto refusal =
+      "legs.strut: error: has no valves, oil and supply, and this needs hydraulics; expected what "
+      "is of mechanics alone (in simulations --actuators springs), or hydraulic cylinders "
+      "(legs.oil_spring)\n";
+  for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
+           {"modes", "struts.toml", "--system"},
+           {"modes", "struts.toml", "--open-loop"},
+           {"simulate", "struts.toml", "--command", "step z=2 mm"},
+           {"simulate", "struts.toml", "--show-controller"}}) {
+    const auto result = run(arguments);
+    EXPECT_EQ(result.exit_code, 2) << arguments[2];
+    EXPECT_EQ(result.err, refusal) << arguments[2];
+  }
+  const auto flexible = run({"modes", "struts.toml", "--model", "guide"});
+  EXPECT_EQ(flexible.exit_code, 2);
+  EXPECT_EQ(flexible.err,
+            "--model guide: error: plain struts have neither guide sleeves nor piston rings; "
+            "expected --model rigid, which is taken where none is asked for\n");
+  EXPECT_THAT(run({"export", "struts.toml", "--to", "sdf", "-o", "struts.sdf"}).err,
+              HasSubstr("legs.strut: error: has no mass, and links of SDF and URDF need one"));
+}
+
+TEST_F(OtherLegs, CheckOfScrewsStatesTorqueForceAndSpeed) {
+  const auto result = run({"check", "screws.toml"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("torque at rest (limit) N m"));
+  EXPECT_THAT(result.out, HasSubstr("(37)"));
+  EXPECT_THAT(result.out, HasSubstr("565.5"));  // 2900 rpm · 11.7 mm
+  EXPECT_THAT(result.out, HasSubstr("T torque of a motor"));
+  EXPECT_THAT(result.out, Not(HasSubstr("oil")));
+  const auto weak = run({"check", "screws.toml", "--set", "legs.screw.torque_limit=3 N m"});
+  EXPECT_EQ(weak.exit_code, 1);
+  EXPECT_THAT(weak.out, HasSubstr("the motors cannot hold the load"));
+}
+
+TEST_F(OtherLegs, CapabilityOfScrewsHasAPictureThatOfStrutsHasNone) {
+  const auto drawn = run({"check", "screws.toml", "--plot", "screws.svg"});
+  EXPECT_EQ(drawn.exit_code, 0) << drawn.err;
+  const std::string picture = test::read_text(folder_ / "screws.svg");
+  for (const char* word : {"torque of a motor", "speed of a motor", "no limit"})
+    EXPECT_THAT(picture, HasSubstr(word));
+  for (const char* word : {"oil", "valve", "inf", "nan"})
+    EXPECT_THAT(picture, Not(HasSubstr(word)));
+  const auto struts = run({"check", "struts.toml", "--plot", "struts.svg"});
+  EXPECT_EQ(struts.exit_code, 2);
+  EXPECT_EQ(struts.err,
+            "--plot struts.svg: error: shows what cylinders can do, and the legs are struts; "
+            "expected no legs.strut, or the table without --plot\n");
+}
+
+TEST_F(OtherLegs, ModesOfScrewsAreOfHeldOrOfFreeMotors) {
+  const auto held = run({"modes", "screws.toml"});
+  EXPECT_EQ(held.exit_code, 0) << held.err;
+  EXPECT_THAT(held.out, HasSubstr("the legs are electric cylinders: mechanics with held motors"));
+  EXPECT_THAT(held.out, HasSubstr("screws of"));
+  const auto free = run({"modes", "screws.toml", "--open-loop"});
+  EXPECT_EQ(free.exit_code, 0) << free.err;
+  EXPECT_THAT(free.out, HasSubstr("with free motors"));
+  EXPECT_THAT(free.out, HasSubstr("motors"));
+  EXPECT_THAT(free.out, Not(HasSubstr("held at")));
+  const auto closed = run({"modes", "screws.toml", "--system"});
+  EXPECT_EQ(closed.exit_code, 0) << closed.err;
+  EXPECT_THAT(closed.out, HasSubstr("with electric drives and controller"));
+  EXPECT_THAT(closed.out, HasSubstr("motors by friction and speed loops"));
+  EXPECT_THAT(closed.out, HasSubstr("stable: "));
+}
+
+TEST_F(OtherLegs, ScrewsAreSimulatedWithTheirDrives) {
+  const auto step = run(
+      {"simulate", "screws.toml", "--command", "step z=2 mm", "--until", "0.8", "-o", "step.csv"});
+  EXPECT_EQ(step.exit_code, 0) << step.err;
+  EXPECT_THAT(step.out, HasSubstr("peak torque N m"));
+  EXPECT_THAT(step.out, HasSubstr("no feedback"));
+  EXPECT_THAT(step.out, HasSubstr("motors by friction and speed loops"));
+  const auto record = test::read_text(folder_ / "step.csv");
+  for (const char* channel : {"leg1.nut", "leg3.motor_speed", "leg6.torque", "leg2.screw_force"})
+    EXPECT_THAT(record, HasSubstr(channel));
+  EXPECT_THAT(record, Not(HasSubstr("p_cap")));
+  const auto json = nlohmann::json::parse(
+      run({"simulate", "screws.toml", "--until", "0.1", "--format", "json"}).out);
+  EXPECT_EQ(json["trace"]["torque_N_m"].size(), 6u);
+  EXPECT_TRUE(json["trace"]["cap_pressure_Pa"][0].empty());
+  EXPECT_GT(json["legs"][0]["peak_torque_N_m"].get<double>(), 0.0);
+  const auto held = run({"simulate", "screws.toml", "--actuators", "held", "--wrench", "step z=500",
+                         "--until", "0.2"});
+  EXPECT_EQ(held.exit_code, 0) << held.err;
+  EXPECT_THAT(held.out, HasSubstr("motors held at the speed 0, no controller"));
+  const auto controller = run({"simulate", "screws.toml", "--show-controller"});
+  EXPECT_EQ(controller.exit_code, 0) << controller.err;
+  EXPECT_THAT(controller.out, HasSubstr("0.05 of "));
+  EXPECT_THAT(controller.out, HasSubstr("the lowest mode of the platform with held motors"));
+  EXPECT_THAT(controller.out, HasSubstr("speed loop of leg 1"));
+  EXPECT_EQ(run({"bode", "screws.toml", "--input", "command"}).exit_code, 0);
+}
+
+TEST_F(OtherLegs, ScrewsAreExcitedOnTheRig) {
+  const auto rig = run({"rig", "screws.toml", "--duration", "1", "--settling", "0.2", "-o",
+                        "run.csv", "--torque-sensor", "noise=0.1 N m"});
+  EXPECT_EQ(rig.exit_code, 0) << rig.err;
+  const auto record = test::read_text(folder_ / "run.csv");
+  for (const char* channel : {"motor 1 drive", "motor 4 torque", "motor 6 speed", "leg 2 length"})
+    EXPECT_THAT(record, HasSubstr(channel));
+  EXPECT_THAT(record, Not(HasSubstr("valve")));
+  EXPECT_EQ(run({"rig", "screws.toml", "--pressure-sensor", "noise=1 kPa", "--check"}).err,
+            "--pressure-sensor: error: electric cylinders have no oil; expected --torque-sensor or "
+            "--speed-sensor\n");
+  const auto fast =
+      run({"rig", "screws.toml", "--excite", "sine z=20 mm, frequency=12", "--check"});
+  EXPECT_THAT(fast.err, HasSubstr("and the motor gives 0.56"));
+  EXPECT_THAT(fast.err, HasSubstr("for rotor and platform, and its limit leaves"));
+}
+
+TEST_F(OtherLegs, DrivesNeedLimitsAndArePartOfNoExport) {
+  test::write_text(folder_ / "endless.toml",
+                   std::regex_replace(test::screw_file, std::regex("torque_limit[^\n]*\n"), ""));
+  constexpr auto missing =
+      "legs.screw.torque_limit: error: is missing, and a drive is simulated up to the largest "
+      "torque of its motor; expected this key, or what is of held motors (--actuators springs) or "
+      "of free ones (modes --open-loop)\n";
+  for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
+           {"simulate", "endless.toml", "--command", "step z=2 mm"},
+           {"rig", "endless.toml", "--check"},
+           {"modes", "endless.toml", "--system"}}) {
+    const auto result = run(arguments);
+    EXPECT_EQ(result.exit_code, 2) << arguments[0];
+    EXPECT_EQ(result.err, missing) << arguments[0];
+  }
+  EXPECT_EQ(run({"modes", "endless.toml", "--open-loop"}).exit_code, 0);
+  constexpr auto refused =
+      "legs.screw: error: has no valves, oil and supply, and this needs hydraulics; expected what "
+      "contains electric drives (simulate, rig, modes, bode), or hydraulic cylinders "
+      "(legs.oil_spring)\n";
+  for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
+           {"export", "screws.toml", "--to", "mat", "--system", "plant", "-o", "plant.mat"},
+           {"export", "screws.toml", "--to", "mat", "--system", "loop", "-o", "loop.mat"},
+           {"export", "screws.toml", "--to", "fmu2", "-o", "screws.fmu"},
+           {"serve", "screws.toml", "--udp", "0", "--duration", "0.1"}}) {
+    const auto result = run(arguments);
+    EXPECT_EQ(result.exit_code, 2) << arguments[0];
+    EXPECT_EQ(result.err, refused) << arguments[0] << ' ' << arguments[2];
+  }
+}
+
+}  // namespace
+}  // namespace hydrapod
