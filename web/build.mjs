@@ -45,9 +45,16 @@ const worker = {
   },
 };
 
+// A module of the page, for use here.
+async function moduleOf(file) {
+  const { code } = await esbuild.transform(readFileSync(join(source, file), 'utf8'), { loader: 'ts', format: 'esm' });
+  return import(`data:text/javascript;base64,${Buffer.from(code).toString('base64')}`);
+}
+
+const { toBase85 } = await moduleOf('core/base85.ts');
+
 // The library's mechanics, compiled from web/core (see there), packed for its way.
-const core = () =>
-  gzipSync(readFileSync(join(source, '..', 'core', 'hydrapod.wasm')), { level: 9 }).toString('base64');
+const core = () => toBase85(gzipSync(readFileSync(join(source, '..', 'core', 'hydrapod.wasm')), { level: 9 }));
 
 // The licences ask that their notices stay with what is passed on.
 function notices() {

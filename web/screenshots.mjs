@@ -24,13 +24,14 @@ const pictures = [
   { name: 'heavy', model: 'heavy-platform.toml', words: [], mode: 1, amplitude: 20 },
 ];
 
-/** Kinds of reports with all sections and their combinations; `record` and `modes` are made by the program. */
-const kinds = (record) => [
+/** Kinds of reports with all sections and their combinations; `record` and `comparison` are made by the program. */
+const kinds = (record, comparison) => [
   { name: 'model', words: ['models/heavy-platform.toml', '--pose', 'neutral', '--pose', 'low'] },
   { name: 'motion', words: ['models/zhang-jiang-2021.toml', '--command', 'step z=5 mm', '--until', '1.5'] },
   { name: 'measured', words: ['models/zhang-jiang-2021.toml', '--measured', record] },
   { name: 'diagnosed', words: ['models/zhang-jiang-2021.toml', '--diagnose', record] },
-  { name: 'everything', words: ['models/zhang-jiang-2021.toml', '--command', 'step z=5 mm', '--measured', record, '--diagnose', record] },
+  { name: 'compared', words: ['models/zhang-jiang-2021.toml', '--compare', comparison] },
+  { name: 'everything', words: ['models/zhang-jiang-2021.toml', '--command', 'step z=5 mm', '--measured', record, '--diagnose', record, '--compare', comparison] },
 ];
 const widths = [360, 768, 1400, 2560];
 /** Chromium repeats the top of pictures that are much taller [px]. */
@@ -39,8 +40,8 @@ const most = 4000;
 /** Sections that calculate have done so. */
 const calculated = (page) =>
   page.evaluate(async () => {
-    const { whatIf, workspace, scatter } = window.hydrapod;
-    for (const part of [whatIf, workspace, scatter]) await part?.ready;
+    const { bode, whatIf, workspace, scatter } = window.hydrapod;
+    for (const part of [bode, whatIf, workspace, scatter]) await part?.ready;
     await workspace?.complete();
     await scatter?.complete();
   });
@@ -50,7 +51,9 @@ async function takeAll(output) {
   const run = (...words) => execFileSync(program, words, { cwd: root, stdio: 'ignore' });
   const record = join(folder, 'run.h5');
   run('rig', 'models/zhang-jiang-2021.toml', '--entry', 'wrench', '--excite', 'noise all=200, to=60', '--duration', '60 s', '-o', record);
-  for (const { name, words } of kinds(record)) {
+  const comparison = join(folder, 'comparison.json');
+  run('compare', 'models/zhang-jiang-2021.toml', record, '-o', comparison);
+  for (const { name, words } of kinds(record, comparison)) {
     const report = join(folder, `${name}.html`);
     run('report', ...words, '-o', report);
     for (const width of widths)

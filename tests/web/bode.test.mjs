@@ -138,6 +138,15 @@ test('dragging zooms, with the curve computed anew; reset shows the whole band',
     const at = (share) => whole[0] * (whole[1] / whole[0]) ** share;
     near(zoomed[0] / at(0.3), 1, 0.02, 'from');
     near(zoomed[1] / at(0.5), 1, 0.02, 'to');
+    const ends = await page.evaluate(async ([from, to]) => {
+      const { bode } = window.hydrapod;
+      await bode.ready;
+      return [from / 2, 2 * to].map((at) => {
+        bode.setCursor(at);
+        return bode.cursor().frequency_hz;
+      });
+    }, zoomed);
+    ends.forEach((end, k) => near(end / zoomed[k], 1, 1e-12, 'end of the curve'));
     await page.click('[data-control="zoom-reset"]');
     assert.deepEqual(await band(), whole);
     await page.click('[data-control="zoom-in"]');
@@ -172,6 +181,18 @@ test('peaks carry their mode: those that the command line lists', async () => {
     const text = await page.locator('.bode-choice .note').innerText();
     for (const peak of peaks.filter((p) => p.direction === 'x' && p.own))
       assert.ok(text.includes(`(mode ${peak.mode})`), `${text} has mode ${peak.mode}`);
+  });
+});
+
+test('peaks between different directions carry the mode at their frequency', async () => {
+  await withKeptPage(report(published), still, async (page) => {
+    await page.click('[data-pair="0,4"]');
+    const modes = await page.evaluate(() => window.hydrapod.report.poses[0].modes);
+    const text = (await page.locator('.bode-choice .note').innerText()).split('rigid')[0];
+    const peaks = [...text.matchAll(/([\d.]+) Hz \(mode (\d+)\)/g)];
+    // the others lie between two zeros
+    const atMode = peaks.filter(([, hertz, number]) => Math.abs(modes[number - 1].frequency_hz / hertz - 1) < 0.01);
+    assert.ok(atMode.length >= 2, text);
   });
 });
 

@@ -7,7 +7,10 @@ import {
   json,
   model,
   near,
+  overflow,
+  published,
   report,
+  responses,
   still,
   temporary,
   withKeptPage,
@@ -117,6 +120,111 @@ test('the page opens in the mode of the identified cause, and a measured mode ca
     assert.ok(first === undefined || first > 0);
   });
 });
+
+/** What the table of predictions shows, and where the marks of its lanes stand [%]. */
+const predictions = (page) =>
+  page.locator('#diagnosis .predictions tbody tr').evaluateAll((rows) =>
+    rows.map((row) => {
+      const mark = (kind) => Number.parseFloat(row.querySelector(`.lane .${kind}`)?.style.left);
+      return {
+        text: row.querySelectorAll('td')[1].textContent,
+        measured: mark('measured'),
+        predicted: mark('predicted'),
+        nominal: mark('nominal'),
+      };
+    }),
+  );
+
+test('a hypothesis that is chosen has its resonances marked beside the measured ones', async () => {
+  const expected = json('diagnose', heavy, ...stiff, '--measured', modes);
+  await withKeptPage(page_, still, async (page) => {
+    for (const number of [1, 0]) {
+      const button = page.locator(`#diagnosis [data-hypothesis="${number}"]`);
+      await button.focus();
+      await page.keyboard.press('Enter');
+      assert.equal(await button.getAttribute('aria-pressed'), 'true');
+      assert.equal(await page.locator('#diagnosis [data-hypothesis][aria-pressed="true"]').count(), 1);
+      const { name, targets } = expected.hypotheses[number];
+      assert.ok((await page.locator('.prediction-title').textContent()).includes(name));
+      const rows = await predictions(page);
+      assert.equal(rows.length, expected.measured_modes.length);
+      // two measured modes fix the axis of the lanes
+      const all = expected.measured_modes.map((mode) => mode.frequency_hz);
+      const [a, b] = [all.indexOf(Math.min(...all)), all.indexOf(Math.max(...all))];
+      const place = (f) => rows[a].measured + ((rows[b].measured - rows[a].measured) * (f - all[a])) / (all[b] - all[a]);
+      rows.forEach((row, k) => {
+        near(Number(row.text), targets[k].frequency_hz, 6e-3, `mode ${k}`);
+        near(row.predicted, place(targets[k].frequency_hz), 0.1, `mark ${k}`);
+        near(row.nominal, place(expected.measured_modes[k].nominal_hz), 0.1, `nominal ${k}`);
+      });
+    }
+    assert.equal(await page.locator('#diagnosis .prediction .uplot').count(), 0, 'no response was measured');
+  });
+});
+
+/** The published machine with softer oil, as responses to forces. */
+const soft = ['--set', 'legs.oil_spring.stiffness=3.4e6 N/m'];
+const measuredResponses = responses('soft-oil.json', json('modes', published, ...soft).modes, {
+  damping: 0.002,
+  deviation: [2e-8, 2e-8, 1e-8, 3e-8, 3e-8, 2e-8],
+});
+const responsePage = () => report(published, '--diagnose', measuredResponses);
+
+test('measured responses have the prediction of every hypothesis over them', async () => {
+  await withKeptPage(responsePage(), still, async (page) => {
+    const found = await page.evaluate(() => window.hydrapod.report.diagnosis);
+    const [overlay] = found.responses;
+    assert.equal(overlay.entry, 'forces');
+    assert.ok(overlay.direct && !overlay.scaled);
+    assert.ok(overlay.frequency_hz.length > 100);
+    assert.equal(overlay.curves.length, 6);
+    const cause = found.hypotheses.findIndex((e) => e.causes.length === 1 && e.causes[0].code === 'oil_springs' && e.causes[0].leg === null);
+    assert.ok(found.hypotheses[cause].equally_good);
+    await page.evaluate(() => window.hydrapod.diagnosis.choose(0, 2));
+    assert.equal(await page.locator('#diagnosis .prediction .uplot').count(), 1);
+    const drawn = (number) =>
+      page.evaluate((k) => {
+        window.hydrapod.diagnosis.show(k);
+        return window.hydrapod.diagnosis.drawn();
+      }, number);
+    const off = ({ measured, predicted }) =>
+      Math.sqrt(measured.reduce((sum, v, k) => sum + Math.log(v / predicted[k]) ** 2, 0) / measured.length);
+    const best = await drawn(cause);
+    const nominal = found.hypotheses.findIndex((e) => e.causes.length === 0 && !e.rigid_legs);
+    const stated = await drawn(nominal);
+    assert.deepEqual(stated.predicted, stated.nominal);
+    assert.ok(off(best) < 0.25 * off(stated), `${off(best)} against ${off(stated)}`);
+  });
+});
+
+test('the prediction of the best hypothesis is what the core of the page computes of its machine', async () => {
+  await withKeptPage(responsePage(), still, async (page) => {
+    const overlay = await page.evaluate(() => window.hydrapod.report.diagnosis.responses[0]);
+    const numbers = await page.evaluate(async (hertz) => {
+      const { whatIf } = window.hydrapod;
+      await whatIf.ready;
+      const computed = await whatIf.compute([], Float64Array.from(hertz, (f) => 2 * Math.PI * f));
+      return Array.from(computed.responses);
+    }, overlay.frequency_hz);
+    const at = overlay.hypotheses.indexOf(0);
+    for (const d of [0, 2, 5])
+      overlay.curves[d].predicted[at].forEach((value, k) => {
+        const place = 72 * k + 14 * d; // (d, d) of the line: re, im
+        const size = Math.hypot(numbers[place], numbers[place + 1]);
+        // frequencies in the document have five digits, which matters at resonances
+        near(value, size, 0.05 * size, `${overlay.curves[d].direction} at ${overlay.frequency_hz[k]} Hz`);
+      });
+  });
+});
+
+for (const colorScheme of ['light', 'dark'])
+  test(`predictions have no finding of axe, ${colorScheme}; nothing overflows on a phone`, async () => {
+    for (const viewport of [{ width: 1400, height: 1000 }, { width: 360, height: 740 }])
+      await withPage(responsePage(), { ...still, viewport, colorScheme }, async (page) => {
+        assert.deepEqual(await findings(page), []);
+        assert.ok((await overflow(page)) <= 0, 'nothing overflows');
+      });
+  });
 
 test('no section without a diagnosis', async () => {
   await withPage(report(heavy), still, async (page) => {

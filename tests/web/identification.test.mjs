@@ -1,17 +1,18 @@
 // Identified modes on the page: the chart against the JSON, the page's fit against that of the
 // program, switching poles by hand.
 import assert from 'node:assert/strict';
-import { writeFileSync } from 'node:fs';
+import { readFileSync, writeFileSync } from 'node:fs';
 import { test } from 'node:test';
 import {
   findings,
   json,
   near,
   nearComplex,
+  overflow,
   published,
   report,
+  responses,
   still,
-  temporary,
   withKeptPage,
   withPage,
 } from './support.mjs';
@@ -21,76 +22,13 @@ const hostile = '<img src=x onerror=alert(1)>"\'`${}';
 const damping = 0.013;
 const deviation = [2e-9, 2e-9, 1e-9, 3e-9, 3e-9, 2e-9];
 
-/** Normally distributed numbers, the same ones every time. */
-function normals(seed) {
-  let state = seed;
-  const uniform = () => {
-    state = (Math.imul(state, 1664525) + 1013904223) >>> 0;
-    return (state + 0.5) / 2 ** 32;
-  };
-  return () => Math.sqrt(-2 * Math.log(uniform())) * Math.cos(2 * Math.PI * uniform());
-}
-
 /** Responses of the published machine with rigid legs, as a measurement with known noise. */
-function measurement(name, names = {}, more = {}) {
-  const { modes } = json('modes', published, '--model', 'rigid');
-  const frequency = Array.from({ length: 577 }, (_, k) => 2 + 0.0625 * k);
-  const normal = normals(7);
-  const shift = more.shift_per_s ?? 0;
-  const directions = ['x', 'y', 'z', 'rx', 'ry', 'rz'];
-  const response = directions.map((_, o) =>
-    directions.map((__, i) => {
-      const [re, im] = [[], []];
-      for (const f of frequency) {
-        const omega = 2 * Math.PI * f;
-        let [a, b] = [0, 0];
-        for (const mode of modes) {
-          const decay = damping * mode.omega_rad_s + shift; // s = shift + iω
-          const [p, q] = [
-            mode.omega_rad_s ** 2 + (2 * decay - shift) * shift - omega ** 2,
-            2 * decay * omega,
-          ];
-          const weight = (mode.shape[o] * mode.shape[i]) / (p * p + q * q);
-          a += weight * p;
-          b -= weight * q;
-        }
-        re.push(a + deviation[o] * Math.SQRT1_2 * normal());
-        im.push(b + deviation[o] * Math.SQRT1_2 * normal());
-      }
-      return { re, im };
-    }),
-  );
-  const zero = frequency.map(() => 0);
-  const diagonal = (size) =>
-    directions.map((_, o) =>
-      directions.map((__, p) => ({ re: frequency.map(() => (o === p ? size(o) : 0)), im: zero })),
-    );
-  const file = temporary(name);
-  writeFileSync(
-    file,
-    JSON.stringify({
-      kind: 'frf',
-      inputs: directions.map((d, k) => ({ name: names.inputs?.[k] ?? `F${d}`, unit: k < 3 ? 'N' : 'N m', direction: d })),
-      outputs: directions.map((d, k) => ({ name: names.outputs?.[k] ?? d, unit: k < 3 ? 'm' : 'rad', direction: d })),
-      estimator: 'h1',
-      averages: 40,
-      degrees_of_freedom: 34,
-      frequency_hz: frequency,
-      response,
-      noise: diagonal((o) => deviation[o] ** 2),
-      input_factor: diagonal(() => 1),
-      line_covariance: [1],
-      ...more,
-    }),
-  );
-  return file;
-}
+const measurement = (name, names = {}, more = {}) =>
+  responses(name, json('modes', published, '--model', 'rigid').modes, { damping, deviation, names, more });
 
 const file = measurement('frf.json');
 const page_of = () => report(published, '--model', 'rigid', '--measured', file);
 const found = json('identify', file, '--machine', published, '--model', 'rigid');
-const near_line = (list, value) =>
-  list.reduce((best, f, k) => (Math.abs(f - value) < Math.abs(list[best] - value) ? k : best), 0);
 
 test('six modes are found and paired with the machine', () => {
   assert.equal(found.modes.length, 6);
@@ -243,38 +181,164 @@ test('switching a mode off takes it out of fit and table, and on again brings it
   });
 });
 
-test('a click on a mark switches its mode; a pole can be added by hand, by keyboard too', async () => {
+/** Clicks a mark of the chart. */
+async function clickMark(page, mark) {
+  const chart = page.locator('#identification [data-control="chart"]');
+  await chart.scrollIntoViewIfNeeded();
+  const box = await chart.boundingBox();
+  await page.mouse.click(box.x + mark.x, box.y + mark.y);
+}
+
+/** The mark of the highest order of a mode that stands alone. */
+async function loneMark(page) {
+  const marks = await page.evaluate(() => window.hydrapod.identification.marks());
+  const mode = found.modes.find((m) => found.modes.every((n) => n === m || Math.abs(n.frequency_hz - m.frequency_hz) > 1));
+  const order = Math.max(...marks.map((m) => m.order));
+  const off = (m) => Math.abs(m.frequency_hz - mode.frequency_hz);
+  return { mode, mark: marks.filter((m) => m.order === order).sort((a, b) => off(a) - off(b))[0] };
+}
+
+/**
+ * Chooses a pole that belongs to no mode by its order and frequency, and presses a button beside them by
+ * keyboard; the order.
+ */
+async function pressByHand(page, control) {
+  const loose = found.stabilisation
+    .flatMap(({ order, poles }) => poles.map((p) => ({ order, ...p })))
+    .find((p) => p.cluster === null && p.stable && p.frequency_hz > found.band_hz[0]);
+  await page.selectOption('[data-control="hand-order"]', String(loose.order));
+  await page.fill('[data-control="hand-frequency"]', String(loose.frequency_hz));
+  await page.locator(`[data-control="${control}"]`).focus();
+  await page.keyboard.press('Enter');
+  return loose.order;
+}
+
+/** Complex displacements of the platform's joints, all legs in one list, of a motion of the mass centre. */
+function jointMotion({ re, im }, geometry) {
+  const center = geometry.platform.mass_center_m;
+  const of = (m) =>
+    geometry.legs.flatMap(({ platform_joint_m: p }) => {
+      const [x, y, z] = p.map((v, i) => v - center[i]);
+      return [m[0] + m[4] * z - m[5] * y, m[1] + m[5] * x - m[3] * z, m[2] + m[3] * y - m[4] * x];
+    });
+  const [a, b] = [of(re), of(im)];
+  return a.map((v, k) => ({ re: v, im: b[k] }));
+}
+
+/** |aᴴ b|²/(aᴴa bᴴb) */
+function likeness(a, b) {
+  let [re, im, aa, bb] = [0, 0, 0, 0];
+  a.forEach((x, k) => {
+    re += x.re * b[k].re + x.im * b[k].im;
+    im += x.re * b[k].im - x.im * b[k].re;
+    aa += x.re ** 2 + x.im ** 2;
+    bb += b[k].re ** 2 + b[k].im ** 2;
+  });
+  return (re * re + im * im) / (aa * bb);
+}
+
+/** Displacements of the joints as drawn: at phase 0 the real part, at −90° the imaginary one. */
+async function drawnMotion(page, side) {
+  const geometry = await page.evaluate(() => window.hydrapod.report.poses[0].geometry);
+  const rest = geometry.legs.flatMap((leg) => leg.platform_joint_m);
+  const at = (phase) =>
+    page.evaluate(
+      ([p, s]) => {
+        const { shape } = window.hydrapod.identification;
+        shape.setPhase(p);
+        return [1, 2, 3, 4, 5, 6].flatMap((leg) => shape.jointPositions(leg, s)?.joint ?? []);
+      },
+      [phase, side],
+    );
+  const [real, imaginary] = [await at(0), await at(-Math.PI / 2)];
+  return { geometry, motion: real.map((v, k) => ({ re: v - rest[k], im: imaginary[k] - rest[k] })) };
+}
+
+test('a click on a pole moves the machine in its measured shape, beside the mode of the model', async () => {
+  await withPage(page_of(), {}, async (page) => {
+    const { mode, mark } = await loneMark(page);
+    await clickMark(page, mark);
+    const frames = () => page.evaluate(() => window.hydrapod.identification.shape.frames());
+    const before = await frames();
+    await page.waitForFunction((n) => window.hydrapod.identification.shape.frames() > n + 5, before);
+    assert.ok(await page.evaluate(() => window.hydrapod.identification.shape.motion().playing));
+    assert.equal(await page.locator('#identification circle.selected').count(), 1);
+    const number = found.modes.indexOf(mode) + 1;
+    assert.match(await page.locator('.moving-shape .viewport-heads').textContent(), new RegExp(`Measured mode ${number},`));
+    const { geometry, motion } = await drawnMotion(page, 'measured');
+    const expected = jointMotion(mode.displacement_shape, geometry);
+    near(likeness(motion, expected), 1, 1e-6, 'the drawn shape and that of the JSON');
+    const size = Math.max(...geometry.legs.map((leg) => leg.length_m));
+    const most = Math.max(...[0, 1, 2, 3, 4, 5].map((k) => Math.hypot(...motion.slice(3 * k, 3 * k + 3).flatMap((v) => [v.re, v.im]))));
+    near(most, 0.12 * size, 0.02 * size, 'amplitude');
+  });
+});
+
+test('the mode of the model moves beside it, with the motion that the JSON has', async () => {
+  await withKeptPage(page_of(), still, async (page) => {
+    const { mode, mark } = await loneMark(page);
+    await clickMark(page, mark);
+    assert.equal(await page.evaluate(() => window.hydrapod.identification.shape.motion().playing), false);
+    const pair = await page.evaluate(
+      (n) => window.hydrapod.report.identification.comparison.pairs.find((p) => p.mode === n),
+      found.modes.indexOf(mode) + 1,
+    );
+    const model = await drawnMotion(page, 'model');
+    near(likeness(model.motion, jointMotion(pair.model.motion, model.geometry)), 1, 1e-6, 'the shape of the model');
+    const measured = await drawnMotion(page, 'measured');
+    assert.ok(likeness(model.motion, measured.motion) > 0.9);
+    const together = model.motion.reduce((sum, v, k) => sum + v.re * measured.motion[k].re, 0);
+    assert.ok(together > 0, 'both move the same way');
+  });
+});
+
+test('the table and the keyboard show shapes; a pole of no mode has that of the fit', async () => {
+  await withKeptPage(page_of(), still, async (page) => {
+    await page.locator('#identification [data-shape="1"]').focus();
+    await page.keyboard.press('Enter');
+    const first = await drawnMotion(page, 'measured');
+    near(likeness(first.motion, jointMotion(found.modes[1].displacement_shape, first.geometry)), 1, 1e-6, 'mode 2');
+    await pressByHand(page, 'hand-show');
+    assert.match(await page.locator('.moving-shape .caption').textContent(), /belongs to no mode/);
+    const shown = await drawnMotion(page, 'measured');
+    await page.locator('[data-control="selected-switch"]').click(); // now it is in the fit
+    const shape = await page.evaluate(() => window.hydrapod.identification.shapes().at(-1));
+    const fitted = { re: shape.map((v) => v.re), im: shape.map((v) => v.im) };
+    near(likeness(shown.motion, jointMotion(fitted, shown.geometry)), 1, 1e-6, 'the shape of the fit');
+    assert.equal(await page.locator('[data-control="selected-switch"]').textContent(), 'Switch off');
+    await page.click('[data-control="as-found"]');
+  });
+});
+
+test('outputs without directions of the platform have no picture, and a note', async () => {
+  const file = measurement('sensors.json', {}, {});
+  const text = JSON.parse(readFileSync(file, 'utf8'));
+  for (const output of text.outputs) delete output.direction;
+  writeFileSync(file, JSON.stringify(text));
+  await withPage(report(published, '--model', 'rigid', '--measured', file), still, async (page) => {
+    await page.locator('#identification [data-shape="0"]').click();
+    assert.match(await page.locator('.moving-shape .caption').textContent(), /not directions of the platform/);
+    assert.ok(await page.locator('.moving-shape .stage').isHidden());
+  });
+});
+
+test('the button below the shape switches its mode; a pole can be added by hand, by keyboard too', async () => {
   await withKeptPage(page_of(), still, async (page) => {
     const chosen = () => page.evaluate(() => window.hydrapod.identification.chosen().length);
     const all = await chosen();
-    const chart = page.locator('#identification [data-control="chart"]');
-    const click = async (mark) => {
-      await chart.scrollIntoViewIfNeeded();
-      const box = await chart.boundingBox();
-      await page.mouse.click(box.x + mark.x, box.y + mark.y);
-    };
-    const marks = await page.evaluate(() => window.hydrapod.identification.marks());
-    // the mark of a mode's highest order, one that stands alone
-    const mode = found.modes.find((m) => found.modes.every((n) => n === m || Math.abs(n.frequency_hz - m.frequency_hz) > 1));
-    const order = Math.max(...marks.map((m) => m.order));
-    const mark = marks
-      .filter((m) => m.order === order)
-      .sort((a, b) => Math.abs(a.frequency_hz - mode.frequency_hz) - Math.abs(b.frequency_hz - mode.frequency_hz))[0];
-    await click(mark);
+    const { mark } = await loneMark(page);
+    await clickMark(page, mark);
+    assert.equal(await chosen(), all, 'a click alone switches nothing');
+    const button = page.locator('[data-control="selected-switch"]');
+    await button.click();
     assert.equal(await chosen(), all - 1);
-    await click(mark);
+    await button.click();
     assert.equal(await chosen(), all);
     // by hand: a pole that belongs to no mode
-    const loose = found.stabilisation
-      .flatMap(({ order: n, poles }) => poles.map((p) => ({ n, ...p })))
-      .find((p) => p.cluster === null && p.stable && p.frequency_hz > found.band_hz[0]);
-    await page.selectOption('[data-control="hand-order"]', String(loose.n));
-    await page.fill('[data-control="hand-frequency"]', String(loose.frequency_hz));
-    await page.locator('[data-control="hand-switch"]').focus();
-    await page.keyboard.press('Enter');
+    const order = await pressByHand(page, 'hand-switch');
     assert.equal(await chosen(), all + 1);
     const last = page.locator('#identification .identified tbody tr').last();
-    assert.match(await last.textContent(), new RegExp(`by hand, order ${loose.n}`));
+    assert.match(await last.textContent(), new RegExp(`by hand, order ${order}`));
     assert.ok((await page.evaluate(() => window.hydrapod.identification.error())) <= found.fit_error * 1.01);
     await page.click('[data-control="as-found"]');
     assert.equal(await chosen(), all);
@@ -328,11 +392,7 @@ for (const theme of ['light', 'dark'])
       await withKeptPage(page_of(), options, async (page) => {
         await page.emulateMedia({ colorScheme: theme });
         assert.deepEqual(await findings(page), []);
-        const { scroll, client } = await page.evaluate(() => ({
-          scroll: document.documentElement.scrollWidth,
-          client: document.documentElement.clientWidth,
-        }));
-        assert.ok(scroll <= client, `${scroll} > ${client}`);
+        assert.ok((await overflow(page)) <= 0, 'nothing overflows');
       });
   });
 

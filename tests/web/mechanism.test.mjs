@@ -1,20 +1,35 @@
 // The moving machine: what is drawn is what the mode shape says.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { firstOrderPoints, straight } from './exact_leg.mjs';
 import { damped, model, near, published, report, still, withKeptPage, withPage } from './support.mjs';
 
 const tolerance = 1e-6; // [m]
 
-/** Motion of leg i in the coordinates `y`: of its joint, and its flexible ones times `tilt`. */
-function legMotion(pose, leg, i, y, tilt) {
+/**
+ * Points of leg i moved by `amplitude` times the coordinates `y`, the flexible ones times `tilt`: the document
+ * has the points and their motion (tests/dynamics/drawn_leg_test.cpp compares them with exact kinematics).
+ */
+function expectedPoints(pose, leg, i, y, tilt, amplitude) {
   const c = pose.geometry.platform.mass_center_m;
-  const r = leg.platform_joint_m.map((x, k) => x - c[k]);
+  const a = leg.platform_joint_m;
+  const r = a.map((x, k) => x - c[k]);
   const [w0, w1, w2] = y.slice(3, 6);
   const turn = [w1 * r[2] - w2 * r[1], w2 * r[0] - w0 * r[2], w0 * r[1] - w1 * r[0]];
+  const joint = turn.map((x, k) => x + y[k]);
   const perLeg = (y.length - 6) / 6;
-  const own = [...y.slice(6 + i * perLeg, 6 + (i + 1) * perLeg), 0, 0, 0, 0].slice(0, 4);
-  return { joint: turn.map((x, k) => x + y[k]), flexible: own.map((x) => tilt * x) };
+  const motion = [...joint, ...y.slice(6 + i * perLeg, 6 + (i + 1) * perLeg).map((x) => tilt * x)];
+  const moved = ({ at_m: at, motion: rows }) => {
+    rows.forEach((row) => assert.equal(row.length, motion.length));
+    return at.map((x, k) => x + amplitude * rows[k].reduce((sum, value, n) => sum + value * motion[n], 0));
+  };
+  const { sleeve, piston, rod_at_sleeve: rod } = perLeg > 0 ? leg.bent : leg.straight;
+  return {
+    base: leg.base_joint_m,
+    sleeve: moved(sleeve),
+    piston: moved(piston),
+    rodAtSleeve: moved(rod),
+    joint: a.map((x, k) => x + amplitude * joint[k]),
+  };
 }
 
 /** y(θ) = Re[(r + i m) e^{iθ}] */
@@ -62,21 +77,13 @@ async function checkModes(page, pose, modes, phase) {
 
 function checkPicture(pose, mode, phase, { motion, legs, rigidLegs }) {
   const y = atPhase(mode, phase);
-  legs.forEach((points, i) => {
-    const leg = pose.geometry.legs[i];
-    const expected = firstOrderPoints(
-      leg,
-      legMotion(pose, leg, i, y, motion.tilt),
-      motion.amplitude,
-    );
-    compare(points, expected, `mode ${mode.number}, leg ${i + 1}`);
-  });
   const counterpart = mode.rigid && pose.rigid_modes[mode.rigid.mode - 1];
-  rigidLegs.forEach((points, i) => {
-    const leg = straight(pose.geometry.legs[i]);
-    const z = counterpart ? atPhase(counterpart, phase) : [0, 0, 0, 0, 0, 0];
-    const expected = firstOrderPoints(leg, legMotion(pose, leg, i, z, 1), motion.rigidAmplitude);
-    compare(points, expected, `rigid beside mode ${mode.number}, leg ${i + 1}`);
+  const z = counterpart ? atPhase(counterpart, phase) : [0, 0, 0, 0, 0, 0];
+  pose.geometry.legs.forEach((leg, i) => {
+    const bent = expectedPoints(pose, leg, i, y, motion.tilt, motion.amplitude);
+    compare(legs[i], bent, `mode ${mode.number}, leg ${i + 1}`);
+    const straight = expectedPoints(pose, leg, i, z, 1, motion.rigidAmplitude);
+    compare(rigidLegs[i], straight, `rigid beside mode ${mode.number}, leg ${i + 1}`);
   });
 }
 

@@ -11,8 +11,7 @@ import {
   withKeptPage,
   withPage,
 } from './support.mjs';
-
-const command = ['--command', 'sine z=4 mm, ry=1 deg, frequency=2 Hz, fade=0.2 s', '--until', '0.6'];
+import { command, longPage, peak, samples } from './long_run.mjs';
 
 /** R = Rz Ry Rx about the platform's origin, written out here on its own. */
 function jointAt(leg, platform, d) {
@@ -105,6 +104,70 @@ test('out of sight it goes on without pictures but the last one', async () => {
     await page.evaluate(() => document.getElementById('mechanism').scrollIntoView());
     const unseen = await playThrough(page);
     assert.ok(unseen >= 1 && unseen <= 2, `${unseen} frames`);
+  });
+});
+
+test('of 100,000 samples no peak is lost, and a part is drawn sample by sample', async () => {
+  await withKeptPage(longPage(), still, async (page) => {
+    const drawn = () => page.evaluate(() => window.hydrapod.simulation.data(2));
+    const trace = await page.evaluate(() => {
+      const { trace: t } = window.hydrapod.report.simulation;
+      return { times: t.time_s, z: t.motion[2] };
+    });
+    const [times, , z] = await drawn();
+    assert.ok(times.length < 3000, `${times.length} points are drawn of the whole run`);
+    near(Math.max(...z), 1000 * peak.value, 1e-9, 'highest value');
+    near(Math.min(...z), 1000 * Math.min(...trace.z), 1e-9, 'lowest value');
+    const at = trace.times[peak.at];
+    await page.evaluate((t) => window.hydrapod.simulation.showPart(t - 0.03, t + 0.03), at);
+    const [part, , values] = await drawn();
+    const begin = trace.times.indexOf(part[0]);
+    assert.ok(begin > 0 && part.length >= 100, `${part.length} samples`);
+    values.forEach((value, k) => near(value, 1000 * trace.z[begin + k], 1e-9, `sample ${begin + k}`));
+    await page.evaluate(() => window.hydrapod.simulation.showPart(0, 60));
+  });
+});
+
+test('a drag zooms all diagrams, a double click and the buttons bring the whole run back', async () => {
+  await withKeptPage(longPage(), still, async (page) => {
+    const view = () => page.evaluate(() => window.hydrapod.simulation.view());
+    const plot = page.locator('#simulation .u-over').first();
+    await plot.scrollIntoViewIfNeeded();
+    const box = await plot.boundingBox();
+    const y = box.y + box.height / 2;
+    await page.mouse.move(box.x + 0.25 * box.width, y);
+    await page.mouse.down();
+    await page.mouse.move(box.x + 0.5 * box.width, y, { steps: 5 });
+    await page.mouse.up();
+    const [from, to] = await view();
+    near(from, 15, 0.5, 'begin of the part');
+    near(to, 30, 0.5, 'end of the part');
+    for (const k of [0, 6, 9]) {
+      const [times] = await page.evaluate((n) => window.hydrapod.simulation.data(n), k);
+      near(times[0], from, 0.1, `diagram ${k}`);
+    }
+    await page.mouse.dblclick(box.x + 0.5 * box.width, y);
+    assert.deepEqual(await view(), [0, 60]);
+    await page.locator('[data-control="time-in"]').focus();
+    await page.keyboard.press('Enter');
+    near((await view())[1] - (await view())[0], 30, 1e-9, 'half of it');
+    await page.locator('[data-control="time-whole"]').click();
+    assert.deepEqual(await view(), [0, 60]);
+  });
+});
+
+test('a click shows the machine at this time, with a line there', async () => {
+  await withKeptPage(longPage(), still, async (page) => {
+    const plot = page.locator('#simulation .u-over').nth(2);
+    await plot.scrollIntoViewIfNeeded();
+    const box = await plot.boundingBox();
+    await page.mouse.click(box.x + 0.75 * box.width, box.y + box.height / 2);
+    near(await page.evaluate(() => window.hydrapod.simulation.time()), 45, 0.3, 'time');
+    const lines = await page.locator('#simulation .playhead').evaluateAll((all) =>
+      all.map((line) => (line.getBoundingClientRect().left - line.parentElement.getBoundingClientRect().left) / line.parentElement.clientWidth),
+    );
+    assert.equal(lines.length, 10);
+    for (const place of lines) near(place, 0.75, 0.01, 'line');
   });
 });
 

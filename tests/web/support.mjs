@@ -135,6 +135,69 @@ export function changed(file, ...replacements) {
   return copy;
 }
 
+/** Normally distributed numbers, the same ones every time. */
+function normals(seed) {
+  const uniform = random(seed);
+  return () => Math.sqrt(-2 * Math.log(uniform())) * Math.cos(2 * Math.PI * uniform());
+}
+
+/**
+ * A file of responses to forces and moments, the sum of `modes` with one damping ratio, as a measurement with known
+ * noise.
+ */
+export function responses(name, modes, { damping, deviation, names = {}, more = {} }) {
+  const frequency = Array.from({ length: 577 }, (_, k) => 2 + 0.0625 * k);
+  const normal = normals(7);
+  const shift = more.shift_per_s ?? 0;
+  const directions = ['x', 'y', 'z', 'rx', 'ry', 'rz'];
+  const response = directions.map((_, o) =>
+    directions.map((__, i) => {
+      const [re, im] = [[], []];
+      for (const f of frequency) {
+        const omega = 2 * Math.PI * f;
+        let [a, b] = [0, 0];
+        for (const mode of modes) {
+          const decay = damping * mode.omega_rad_s + shift; // s = shift + iω
+          const [p, q] = [
+            mode.omega_rad_s ** 2 + (2 * decay - shift) * shift - omega ** 2,
+            2 * decay * omega,
+          ];
+          const weight = (mode.shape[o] * mode.shape[i]) / (p * p + q * q);
+          a += weight * p;
+          b -= weight * q;
+        }
+        re.push(a + deviation[o] * Math.SQRT1_2 * normal());
+        im.push(b + deviation[o] * Math.SQRT1_2 * normal());
+      }
+      return { re, im };
+    }),
+  );
+  const zero = frequency.map(() => 0);
+  const diagonal = (size) =>
+    directions.map((_, o) =>
+      directions.map((__, p) => ({ re: frequency.map(() => (o === p ? size(o) : 0)), im: zero })),
+    );
+  const file = temporary(name);
+  writeFileSync(
+    file,
+    JSON.stringify({
+      kind: 'frf',
+      inputs: directions.map((d, k) => ({ name: names.inputs?.[k] ?? `F${d}`, unit: k < 3 ? 'N' : 'N m', direction: d })),
+      outputs: directions.map((d, k) => ({ name: names.outputs?.[k] ?? d, unit: k < 3 ? 'm' : 'rad', direction: d })),
+      estimator: 'h1',
+      averages: 40,
+      degrees_of_freedom: 34,
+      frequency_hz: frequency,
+      response,
+      noise: diagonal((o) => deviation[o] ** 2),
+      input_factor: diagonal(() => 1),
+      line_covariance: [1],
+      ...more,
+    }),
+  );
+  return file;
+}
+
 /** The published machine with piston rings and dampers: 30 modes, complex. */
 export const damped = [
   published,
@@ -190,6 +253,7 @@ export async function openAt(address, own, options = {}) {
   await page.waitForFunction(
     () => window.hydrapod?.scene === undefined || window.hydrapod.scene.frames() > 0,
   );
+  await page.evaluate(() => window.hydrapod?.bode?.ready);
   return page;
 }
 
@@ -250,6 +314,10 @@ export async function findings(page) {
         .join('; ')}`,
   );
 }
+
+/** By how much the page is wider than its window [px]. */
+export const overflow = (page) =>
+  page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
 
 export const near = (actual, expected, tolerance, what) =>
   assert.ok(

@@ -7,6 +7,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "curves.hpp"
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/kinematics/legs.hpp"
@@ -210,11 +211,9 @@ Json Core::compute(const Json& request) {
   try {
     const auto table = modal::mode_table(machine, shown.X_BP, kind_);
     json["pose"] = report::pose_report(machine, shown, table, request.at("points").get<int>());
-    const auto swept = [&](const modal::AnalysedModel& model) {
-      return response::response_model(model.linear, model.normal, table.ratio.value,
-                                      machine.platform.mass_center);
-    };
-    swept_.emplace(Swept{swept(table.real), swept(table.rigid)});
+    const auto& p_PC = machine.platform.mass_center;
+    swept_.emplace(
+        Swept{responses_at(table.real, table, p_PC), responses_at(table.rigid, table, p_PC)});
   } catch (const base::ComputationError& error) {
     json["problem"] = error.what();
   }
@@ -224,16 +223,16 @@ Json Core::compute(const Json& request) {
 std::vector<double> Core::sweep(const std::vector<double>& omega) const {
   std::vector<double> numbers;
   if (!swept_) return numbers;
-  numbers.resize(2 * omega.size() * 72);
-  auto* place = numbers.data();
   for (const auto* model : {&swept_->real, &swept_->rigid})
-    for (const auto& H : response::frequency_response(*model, omega))
-      for (int output = 0; output < 6; ++output)
-        for (int input = 0; input < 6; ++input) {
-          *place++ = H(output, input).real();
-          *place++ = H(output, input).imag();
-        }
+    add_responses(response::frequency_response(*model, omega), numbers);
   return numbers;
+}
+
+std::vector<double> Core::curves(const Json& request) const {
+  const auto machine = changed(request.at("set"));
+  const auto table = modal::mode_table(machine, pose(machine, request).X_BP, kind_);
+  return bode_curves(table, machine.platform.mass_center, request.at("from").get<double>(),
+                     request.at("to").get<double>(), request.at("points").get<int>());
 }
 
 Json Core::buckling(const Json& request) const {

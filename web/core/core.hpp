@@ -3,9 +3,10 @@
 /// behind a few functions over JSON. page_core.cpp hands them to the browser. The tests of the page
 /// (tests/web/what_if.test.mjs) compare the results with those of the command line.
 ///
-/// A machine comes as report's editable_json() wrote it. Every request names the numbers that differ
-/// from it by their paths, so that the core has no state but the machine it was opened with and the
-/// last model, whose responses may be asked for. Results are those of the command line with the same
+/// A machine comes as report's editable_json() wrote it. Every request names the numbers that
+/// differ from it by their paths, so that the core has no state but the machine it was opened with
+/// and the last model, whose responses may be asked for. Results are those of the command line with
+/// the same
 /// `--set`: the same functions compute and write them.
 
 #include <optional>
@@ -37,14 +38,18 @@ class Core {
 
   /// `{ "set": [[path, value], …], "pose": number, "points": of a Bode curve, 0: none }`.
   /// What editable_json() calls `shown` counts the poses; instead of one, `"displaced": [x, …, rz]`
-  /// is a displacement from the neutral pose [m, rad], as of `--pose`. The answer has `findings`, those of the
-  /// changed machine, and, where none of them is an error, `pose`: as report_json() has it; or
-  /// `problem`, why there are no modes.
+  /// is a displacement from the neutral pose [m, rad], as of `--pose`. The answer has `findings`,
+  /// those of the changed machine, and, where none of them is an error, `pose`: as report_json()
+  /// has it; or `problem`, why there are no modes.
   Json compute(const Json& request);
 
   /// Responses of the machine of the last compute() to a wrench at the platform's mass centre,
   /// flexible then rigid legs, each by line, output and input: re, im. Nothing without modes.
   std::vector<double> sweep(const std::vector<double>& omega) const;
+
+  /// `{ "set", "pose" or "displaced", "from", "to", "points" }`: see bode_curves(). Throws
+  /// base::ComputationError where there are no modes.
+  [[nodiscard]] std::vector<double> curves(const Json& request) const;
 
   /// `{ "set", "pose" }`: payload at which the legs buckle, or why it is not known.
   [[nodiscard]] Json buckling(const Json& request) const;

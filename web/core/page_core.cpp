@@ -73,10 +73,16 @@ CORE_EXPORT int core_reach() {
   return answer([](const Json& request) { return core().value().reach(request); });
 }
 /// Displacements stand where core_lines() says; core_map() puts rows in their place. The answer of
-/// both is how many numbers there are.
+/// these three is how many numbers there are.
 CORE_EXPORT int core_map() {
   return answer([](const Json& request) {
     numbers() = core().value().map(request, numbers());
+    return Json(numbers().size());
+  });
+}
+CORE_EXPORT int core_curves() {
+  return answer([](const Json& request) {
+    numbers() = core().value().curves(request);
     return Json(numbers().size());
   });
 }

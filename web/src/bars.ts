@@ -15,13 +15,14 @@ export interface Part {
 
 export const energyParts = (strain: {
   oil: number;
+  axial?: string;
   guide_sleeve: number;
   piston_ring: number;
   base_mount?: number;
   payload?: number;
   bending?: number;
 }): Part[] => [
-  { name: 'oil', long: 'oil', value: strain.oil, kind: 'oil' },
+  { name: strain.axial ?? 'oil', long: strain.axial ?? 'oil', value: strain.oil, kind: 'oil' },
   { name: 'sleeves', long: 'guide sleeves', value: strain.guide_sleeve, kind: 'sleeve' },
   { name: 'rings', long: 'piston rings', value: strain.piston_ring, kind: 'ring' },
   ...(strain.base_mount

@@ -5,7 +5,9 @@ import type { Identification } from './identification/types';
 export type Vector = [number, number, number];
 
 export interface Strain {
+  /** Of `axial` where the legs have no oil. */
   oil: number;
+  axial?: 'struts' | 'screws';
   guide_sleeve: number;
   piston_ring: number;
   base_mount?: number;
@@ -37,35 +39,36 @@ export interface Mode {
   rigid?: { mode: number; omega_rad_s: number; mac: number; shift_percent: number };
 }
 
+/** Where it is, and its motion per motion of the platform joint and of φ1, φ2 (, u1, u2), row by row. */
+export interface DrawnPoint {
+  at_m: Vector;
+  motion: number[][];
+}
+
+export interface DrawnLeg {
+  sleeve: DrawnPoint;
+  piston: DrawnPoint;
+  rod_at_sleeve: DrawnPoint;
+}
+
 export interface Leg {
   base_joint_m: Vector;
   platform_joint_m: Vector;
   length_m: number;
-  l_m: number;
-  l_mh: number;
   L_g: number;
   l_mn: number;
-  r_b: number;
-  axes: { t: Vector; a2: Vector; n: Vector };
-  tan_gimbal: number;
-  tilt_rad: [number, number];
-  offset_m: [number, number];
+  /** Not in the rigid model. */
+  bent?: DrawnLeg;
+  straight: DrawnLeg;
   bore_m?: number;
   rod_diameter_m?: number;
+  /** A spring between the joints, without case, rod and sleeve. */
+  strut?: boolean;
 }
 
 export interface Geometry {
   platform: { origin_m: Vector; rotation: [Vector, Vector, Vector]; mass_center_m: Vector };
   legs: Leg[];
-}
-
-export interface ModalResponse {
-  omega2: number[];
-  damping: number[] | number[][];
-  platform_shapes: number[][];
-  mode: number[];
-  /** Chambers that relax: λ/(iω + λ) shape shapeᵀ is taken off. */
-  relaxing?: { rate_1_s: number; shape: number[] }[];
 }
 
 export interface Peak {
@@ -84,8 +87,6 @@ export interface Bode {
   from_rad_s: number;
   to_rad_s: number;
   points: number;
-  real: ModalResponse;
-  rigid: ModalResponse;
   peaks: Peak[];
   rigid_peaks: Peak[];
 }
@@ -96,7 +97,13 @@ export interface Answer {
   mode: number;
   frequency_hz: number;
   directions: string;
-  strain_energy: { oil: number; guide_sleeve: number; piston_ring: number; bending?: number };
+  strain_energy: {
+    oil: number;
+    axial?: 'struts' | 'screws';
+    guide_sleeve: number;
+    piston_ring: number;
+    bending?: number;
+  };
   rigid_mode?: number;
   rigid_frequency_hz?: number;
   drop_percent?: number;
@@ -134,6 +141,10 @@ export interface Simulation {
     drive: number[][];
     cap_pressure_Pa: number[][];
     rod_pressure_Pa: number[][];
+    /** Of electric drives, whose pressures are empty. */
+    nut_m?: number[][];
+    motor_speed_rad_s?: number[][];
+    torque_N_m?: number[][];
   };
 }
 
@@ -162,8 +173,14 @@ export interface PoseCheck {
     extend_left_m?: number;
     cap_pressure_Pa?: number | null;
     rod_pressure_Pa?: number | null;
+    /** null of a strut */
+    piston_m: number | null;
     largest_push_N: number;
     largest_pull_N: number;
+    /** Of electric cylinders. */
+    holding_torque_N_m?: number;
+    torque_limit_N_m?: number;
+    largest_speed_m_s?: number;
     column?: { strength_N: number };
   }[];
   buckling: { status: 'found' | 'not_found' | 'buckled' | 'not_sought'; payload_kg?: number };
@@ -218,6 +235,51 @@ export interface Editable {
   overrides?: string[];
 }
 
+/** A difference and whether it is one. */
+export interface TestedDifference {
+  difference: number;
+  deviation: number | null;
+  p: number | null;
+  verdict: 'cannot_say' | 'not_significant' | 'significant' | 'calculated';
+}
+
+export interface ComparedThing {
+  what: 'machine' | 'modes' | 'record';
+  name: string;
+  description: string;
+  modes: {
+    omega_rad_s: number;
+    frequency_hz: number;
+    damping_ratio: number;
+    omega_deviation_rad_s: number | null;
+    damping_deviation: number | null;
+    label: string;
+  }[];
+  responses: { name: string; unit: string; frequency_hz: number[]; re: number[]; im: number[] }[];
+}
+
+/** What `hydrapod compare --format json` writes, with the verdict in words. */
+export interface SideBySide {
+  level_percent: number;
+  test: string;
+  things: ComparedThing[];
+  comparisons: {
+    /** From 1; the first is what the others are compared with. */
+    thing: number;
+    shapes: string;
+    verdict: string;
+    pairs: {
+      first: number;
+      second: number;
+      mac: number | null;
+      omega_rad_s: TestedDifference;
+      damping_ratio: TestedDifference;
+    }[];
+    first_left: number[];
+    second_left: number[];
+  }[];
+}
+
 export interface Report {
   kind: string;
   title: string;
@@ -250,6 +312,7 @@ export interface Report {
   simulation?: Simulation;
   diagnosis?: Diagnosis;
   identification?: Identification;
+  comparison?: SideBySide;
   /** Of a page that `hydrapod studio` serves. */
   studio?: { page: number };
 }
@@ -310,6 +373,9 @@ export interface DiagnosedMode {
 
 export interface Hypothesis {
   name: string;
+  rigid_legs: boolean;
+  /** In the order of the measured modes. */
+  targets?: { frequency_hz: number; shape_mac: number | null }[];
   causes: { name: string; statement: string; family: string }[];
   bic_above_best: number;
   equally_good: boolean;
@@ -338,8 +404,29 @@ export interface Remedy {
   curve: RemedyPoint[];
 }
 
-/** What `hydrapod diagnose --format json` writes. */
+/** Measured responses at a pose with those of hypotheses at the same lines. */
+export interface ResponseOverlay {
+  pose: string;
+  entry: 'valves' | 'forces' | 'commands';
+  /** Response to the input of the same direction, else of all inputs together. */
+  direct: boolean;
+  /** Predictions are multiplied by one factor per curve. */
+  scaled: boolean;
+  frequency_hz: number[];
+  /** Which hypotheses the predictions are of. */
+  hypotheses: number[];
+  curves: {
+    direction: string;
+    unit: string;
+    measured: (number | null)[];
+    /** Empty: this machine has no such response. */
+    predicted: (number | null)[][];
+  }[];
+}
+
+/** What `hydrapod diagnose --format json` writes, and `responses`. */
 export interface Diagnosis {
+  responses?: ResponseOverlay[];
   summary: string[];
   finding?: string;
   measured_modes?: DiagnosedMode[];

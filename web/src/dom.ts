@@ -98,6 +98,35 @@ export function checkbox(
   return html('label', { class: 'check' }, input, label);
 }
 
+/** A labelled list of `options`; `change` gets the number of the chosen one. */
+export function select(
+  label: string,
+  options: readonly string[],
+  change: (option: number) => void,
+  name: string,
+): HTMLElement {
+  const id = identifier(name);
+  const input = html(
+    'select',
+    { id, 'data-control': name },
+    ...options.map((text, k) => html('option', { value: k }, text)),
+  );
+  input.addEventListener('change', () => change(Number(input.value)));
+  return html('span', { class: 'select' }, html('label', { for: id }, label), input);
+}
+
+/** Controls side by side. */
+export function controlRow(...controls: Child[]): HTMLElement {
+  return html('div', { class: 'controls' }, html('div', { class: 'row' }, ...controls));
+}
+
+/** Says to screen readers what the canvas in `element` shows. */
+export function describeCanvas(element: HTMLElement, words: string): void {
+  const canvas = element.querySelector('canvas');
+  canvas?.setAttribute('role', 'img');
+  canvas?.setAttribute('aria-label', words);
+}
+
 /** Offers `content` as a file, made here and now. */
 export function download(name: string, content: Blob): void {
   const url = URL.createObjectURL(content);

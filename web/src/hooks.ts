@@ -1,7 +1,7 @@
 // The members of `window.hydrapod`, for tests and for the console; see docs/howto/report.md.
 
 import type { Report } from './document';
-import type { LegPoints } from './mechanics/leg';
+import type { LegPoints } from './scene/motion';
 import type { Complex } from './complex';
 import type { Computed, Setting } from './core/core';
 import type { State } from './state';
@@ -26,6 +26,8 @@ export interface SceneHook {
 }
 
 export interface BodeHook {
+  /** Resolves when the curves of the chosen band are shown; nothing below works before the first. */
+  readonly ready: Promise<void>;
   choose(output: number, input: number): void;
   /** Puts the cursor on the point of the curve that is nearest to `frequency` [Hz]. */
   setCursor(frequency: number): void;
@@ -49,6 +51,11 @@ export interface SimulationHook {
   jointPositions(leg: number): LegPoints;
   /** Frames drawn so far. */
   frames(): number;
+  /** The part of the run in the diagrams [s]. */
+  view(): [number, number];
+  showPart(from: number, to: number): void;
+  /** Times and lines that a diagram draws now. */
+  data(diagram: number): number[][];
 }
 
 export interface IdentificationHook {
@@ -64,6 +71,37 @@ export interface IdentificationHook {
   fitted(output: number, input: number): Complex[];
   /** The fitted model without the window at a frequency [Hz]. */
   responseAt(output: number, input: number, frequency: number): Complex;
+  /** The shape that is shown. */
+  shape: {
+    /** Points of leg 1…6 as drawn; null: nothing is drawn on this side. */
+    jointPositions(leg: number, side?: 'measured' | 'model'): LegPoints | null;
+    /** As of the scene; null: not drawn yet. */
+    motion(): ReturnType<SceneHook['motion']> | null;
+    setPhase(phase: number): void;
+    frames(): number;
+  };
+}
+
+export interface DiagnosisHook {
+  /** Shows the prediction of a hypothesis, by its number in the document. */
+  show(hypothesis: number): void;
+  shown(): number;
+  /** A measured response by pose and entry, and its direction 0 … 5. */
+  choose(overlay: number, direction: number): void;
+  /** The curves as drawn; null: no response was measured. `predicted` null: none can be computed. */
+  drawn(): {
+    frequency_hz: number[];
+    measured: (number | null)[];
+    predicted: (number | null)[] | null;
+    nominal: (number | null)[] | null;
+  } | null;
+}
+
+export interface ComparisonHook {
+  /** Shows the response of this name. */
+  choose(name: string): void;
+  /** The curves as drawn, of the things from 0 that have the response; null: no line there. */
+  drawn(): { thing: number; unit: string; frequency_hz: number[]; magnitude: (number | null)[]; phase: (number | null)[] }[];
 }
 
 export interface WhatIfHook {
@@ -127,6 +165,8 @@ declare global {
       workspace?: WorkspaceHook;
       scatter?: ScatterHook;
       identification?: IdentificationHook;
+      diagnosis?: DiagnosisHook;
+      comparison?: ComparisonHook;
       /** When the machine was drawn first [ms since the page began to load]. */
       firstFrame?: number;
     };

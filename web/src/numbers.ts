@@ -4,6 +4,13 @@ const minus = (text: string): string => text.replace(/^-/, '−');
 
 export const fixed = (value: number, digits: number): string => minus(value.toFixed(digits));
 
+/** With at most `digits` significant digits: "0.0123", "−40". */
+export const significant = (value: number, digits: number): string =>
+  String(Number(value.toPrecision(digits))).replace('-', '−');
+
+/** Half of a 95 % interval in standard deviations, of a normal distribution. */
+export const halfWidth95 = 1.959963984540054;
+
 /** "12 %", "<1 %". */
 export function share(value: number): string {
   const percent = 100 * value;

@@ -1,14 +1,12 @@
 // The 6×6 chooser: a table of buttons, each with a small picture of its response.
 
-import type { PoseReport } from '../document';
 import { directions } from '../document';
 import { html, svg, unseen } from '../dom';
-import { entry, magnitude } from '../mechanics/response';
-import { Sweep, titleOf, type Pair } from './curves';
+import { titleOf, type Pair, type Sweep } from './curves';
 
 const [width, height] = [44, 22];
 
-function sparkline(omega: number[], values: number[]): SVGElement {
+function sparkline(omega: Float64Array, values: number[]): SVGElement {
   const logs = values.map((value) => Math.log(Math.max(value, 1e-300)));
   const low = Math.min(...logs);
   const high = Math.max(...logs);
@@ -33,9 +31,7 @@ export class Chooser {
     this.element.addEventListener('keydown', (event) => this.key(event));
   }
 
-  show(pose: PoseReport, chosen: Pair): void {
-    const { from_rad_s: from, to_rad_s: to } = pose.bode!;
-    const sweep = new Sweep(pose, from, to, 48);
+  show(sweep: Sweep, chosen: Pair): void {
     this.buttons = [];
     const rows = directions.map((name, output) =>
       html(
@@ -64,9 +60,8 @@ export class Chooser {
       'data-pair': `${pair.output},${pair.input}`,
       class: coupled ? '' : 'uncoupled',
     });
-    const values = sweep.shown.map((H) => magnitude(entry(H, pair.output, pair.input)));
     control.append(
-      coupled ? sparkline(sweep.omega, values) : html('span', { 'aria-hidden': 'true' }, '·'),
+      coupled ? sparkline(sweep.omega, sweep.magnitudes(pair)) : html('span', { 'aria-hidden': 'true' }, '·'),
     );
     control.append(unseen(titleOf(pair) + (coupled ? '' : ', not coupled')));
     this.buttons.push(control);

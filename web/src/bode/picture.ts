@@ -1,8 +1,7 @@
 // A Bode diagram as an SVG picture, for download and for print: magnitude above, phase below.
 
 import { svg } from '../dom';
-import type { Complex } from '../complex';
-import { magnitude, phase } from '../mechanics/response';
+import { magnitude, phase, type Complex } from '../complex';
 import { tick } from '../numbers';
 import type { Palette } from '../palette';
 import { titleOf, unitOf, type Curves, type Mark } from './curves';

@@ -1,12 +1,13 @@
 // Two linked uPlot diagrams: magnitude and phase over a logarithmic frequency axis.
 
 import uPlot from 'uplot';
-import { html } from '../dom';
-import { magnitude, phase } from '../mechanics/response';
-import { tick } from '../numbers';
+import { describeCanvas, html } from '../dom';
+import { magnitude, phase } from '../complex';
 import { axisStyle, type Palette } from '../palette';
+import { frequencyAxis, magnitudeAxis, phaseAxis, phaseScale } from './axes';
 import { unitOf, type Curves, type Mark } from './curves';
-import { clusters, logTicks, magnitudeTicks } from './picture';
+import { clusters } from './picture';
+import { fitWidth, widthIn } from './stack';
 
 export interface PlotEvents {
   cursor(index: number | null): void;
@@ -25,7 +26,7 @@ export class BodePlot {
   private pointed = false;
 
   constructor(private readonly events: PlotEvents) {
-    new ResizeObserver(() => this.resize()).observe(this.element);
+    new ResizeObserver(() => fitWidth(this.plots, widthIn(this.element))).observe(this.element);
     this.element.addEventListener('pointermove', () => (this.pointed = true), { capture: true });
   }
 
@@ -33,7 +34,7 @@ export class BodePlot {
   show(curves: Curves, colours: Palette): void {
     this.curves = curves;
     for (const plot of this.plots) plot.destroy();
-    const size = this.width();
+    const size = widthIn(this.element);
     const x = curves.frequency;
     const of = (value: (h: { re: number; im: number }) => number | null) =>
       [
@@ -46,17 +47,9 @@ export class BodePlot {
       new uPlot(this.options('magnitude', size, colours), of(positive), this.element),
       new uPlot(this.options('phase', size, colours), of(phase), this.element),
     ];
-    for (const [plot, name] of [
-      [this.plots[0], 'Magnitude'],
-      [this.plots[1], 'Phase'],
-    ] as [uPlot, string][]) {
-      const canvas = plot.root.querySelector('canvas');
-      canvas?.setAttribute('role', 'img');
-      canvas?.setAttribute(
-        'aria-label',
-        `${name} over frequency; the values under the cursor stand in the table below.`,
-      );
-    }
+    ['Magnitude', 'Phase'].forEach((name, k) =>
+      describeCanvas(this.plots[k].root, `${name} over frequency; the values under the cursor stand in the table below.`),
+    );
   }
 
   /** Moves the cursor to point `index` of the curves. */
@@ -70,16 +63,6 @@ export class BodePlot {
       if (plots !== this.plots) return;
       for (const plot of plots) plot.setCursor({ left: plot.valToPos(f, 'x'), top: 10 }, false);
     });
-  }
-
-  private width(): number {
-    return Math.max(240, this.element.clientWidth || 600);
-  }
-
-  private resize(): void {
-    const width = this.width();
-    for (const plot of this.plots)
-      if (plot.width !== width) plot.setSize({ width, height: plot.height });
   }
 
   private options(kind: 'magnitude' | 'phase', width: number, colours: Palette): uPlot.Options {
@@ -109,37 +92,20 @@ export class BodePlot {
         x: { distr: 3, time: false, range: (_, min, max) => [min, max] },
         y: isMagnitude
           ? { distr: 3, range: (_, min, max) => [min / 1.3, max * 1.6] }
-          : { distr: 1, range: [-185, 185] },
+          : phaseScale,
       },
       axes: [
         {
           ...axis,
           size: isMagnitude ? 26 : 44,
-          ...(isMagnitude ? {} : { label: 'frequency in Hz' }),
-          splits: (plot) =>
-            logTicks(plot.scales['x']!.min!, plot.scales['x']!.max!, plot.width < 520),
-          filter: (_, splits) => splits,
-          values: (_, splits) => splits.map((v) => String(Number(v.toPrecision(3)))),
+          ...frequencyAxis(true, !isMagnitude),
         },
         {
           ...axis,
           size: left - 8,
-          ...(isMagnitude
-            ? {
-                label: unitOf(curves.pair),
-                labelSize: 18,
-                splits: (plot: uPlot) =>
-                  magnitudeTicks(plot.scales['y']!.min!, plot.scales['y']!.max!),
-                filter: (_: uPlot, splits: number[]) => splits,
-                values: (_: uPlot, splits: number[]) => splits.map(tick),
-              }
-            : {
-                label: 'phase',
-                labelSize: 18,
-                splits: () => [-180, -90, 0, 90, 180],
-                values: (_: uPlot, splits: number[]) =>
-                  splits.map((v) => `${v}°`.replace('-', '−')),
-              }),
+          label: isMagnitude ? unitOf(curves.pair) : 'phase',
+          labelSize: 18,
+          ...(isMagnitude ? magnitudeAxis : phaseAxis),
         },
       ],
       series: [

@@ -34,6 +34,16 @@ export interface Request {
   points?: number;
 }
 
+/** Bode curves over a band (web/core/curves.hpp). */
+export interface Band {
+  /** Lines [rad/s]. */
+  omega: Float64Array;
+  /** All 36 with flexible, then with rigid legs: by line, output and input: re, im. */
+  responses: Float64Array;
+  /** Peaks of responses between different directions, with the mode behind them. */
+  peaks: { legs: 'flexible' | 'rigid'; output: number; input: number; line: number; mode: number }[];
+}
+
 export interface Computed {
   findings: { error: boolean; key: string; message: string }[];
   pose?: PoseReport;
@@ -79,7 +89,7 @@ export class Core {
     };
   }
 
-  /** Starts the worker with `module`, base64 of gzip, and opens the machine. */
+  /** Starts the worker with `module`, gzip in base 85, and opens the machine. */
   static async start(module: string, editable: Editable): Promise<Core> {
     const url = URL.createObjectURL(new Blob([script], { type: 'text/javascript' }));
     const core = new Core(new Worker(url));
@@ -104,6 +114,18 @@ export class Core {
       milliseconds: answer.milliseconds,
       ...(answer.numbers ? { responses: answer.numbers } : {}),
     };
+  }
+
+  /** Bode curves from … to [rad/s], with `points` lines and more around resonances. */
+  async curves(request: Request & { from: number; to: number; points: number }): Promise<Band> {
+    const numbers = (await this.call('curves', JSON.stringify(request))).numbers as Float64Array;
+    const [begin, end] = [1 + numbers[0], 1 + 145 * numbers[0]];
+    const peaks: Band['peaks'] = [];
+    for (let at = end; at < numbers.length; at += 5) {
+      const [legs, output, input, line, mode] = numbers.subarray(at, at + 5);
+      peaks.push({ legs: legs === 0 ? 'flexible' : 'rigid', output, input, line, mode });
+    }
+    return { omega: numbers.subarray(1, begin), responses: numbers.subarray(begin, end), peaks };
   }
 
   async buckling(request: Request): Promise<Buckling> {

@@ -53,5 +53,5 @@ export async function idle(): Promise<void> {
     await new Promise((resolve) => setTimeout(resolve, left));
 }
 
-const coreFailure = (error: unknown): string =>
+export const coreFailure = (error: unknown): string =>
   `This browser cannot run the core: ${error}. Everything else on this page is as the program computed it.`;

@@ -1,7 +1,9 @@
 // The library's own mechanics (web/core, WebAssembly) beside the page, so that the page never stalls.
 //
 // Messages: { id, call, text, numbers? }; answers: { id, ok, text, numbers?, milliseconds }. `start`
-// takes the module as base64 of gzip.
+// takes the module as gzip in base 85.
+
+import { fromBase85 } from './base85';
 
 interface Exports {
   memory: WebAssembly.Memory;
@@ -18,10 +20,11 @@ interface Exports {
   core_sensitivities(): number;
   core_reach(): number;
   core_map(): number;
+  core_curves(): number;
   core_scatter(): number;
 }
 
-type Call = 'open' | 'compute' | 'buckling' | 'sensitivities' | 'reach' | 'map' | 'scatter';
+type Call = 'open' | 'compute' | 'buckling' | 'sensitivities' | 'reach' | 'map' | 'curves' | 'scatter';
 
 export interface Asked {
   id: number;
@@ -49,8 +52,8 @@ const scope = self as unknown as {
 
 let core: Exports;
 
-async function start(base64: string): Promise<void> {
-  const packed = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
+async function start(module: string): Promise<void> {
+  const packed = fromBase85(module);
   const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream('gzip'));
   const nothing = () => 0; // no environment, no files
   const { instance } = await WebAssembly.instantiate(await new Response(stream).arrayBuffer(), {
@@ -107,8 +110,8 @@ scope.onmessage = async ({ data: { id, call, text, numbers } }) => {
       if (call === 'map' && numbers) give(numbers);
       [answer.ok, answer.text] = called(call, text);
     }
-    const isRows = call === 'map' || call === 'scatter';
-    if (answer.ok && isRows) answer.numbers = taken(Number(answer.text));
+    const isNumbers = call === 'map' || call === 'curves' || call === 'scatter';
+    if (answer.ok && isNumbers) answer.numbers = taken(Number(answer.text));
     else if (answer.ok && numbers) answer.numbers = sweep(numbers);
   } catch (error) {
     answer.ok = false;

@@ -45,6 +45,10 @@ export function ticks(from: number, to: number, wanted = 8): number[] {
 }
 
 export class Chart {
+  /** A mark was clicked. */
+  onSelect: (pole: ChartPole, order: number) => void = () => {};
+  /** The mark whose shape is shown. */
+  private selected: ChartPole | null = null;
   readonly element = html('div', { class: 'chart' });
   private readonly readout = html('p', { class: 'note', 'aria-live': 'polite' });
   private marks: Mark[] = [];
@@ -60,6 +64,12 @@ export class Chart {
     }).observe(this.element);
     this.element.append(this.picture, this.readout);
     this.tell(null);
+  }
+
+  /** Marks a pole as the one whose shape is shown; null: none. */
+  select(pole: ChartPole | null): void {
+    this.selected = pole;
+    this.draw();
   }
 
   /** Marks as drawn, for tests: centre in px of the picture. */
@@ -82,7 +92,7 @@ export class Chart {
       role: 'img',
       'aria-label':
         `Stabilisation chart: poles of model orders up to ${this.highest} by frequency; the table ` +
-        'below lists the selected poles.',
+        'below lists the selected poles and shows their shapes.',
       'data-control': 'chart',
     });
     this.axes(colours.grid, colours.faint);
@@ -91,7 +101,7 @@ export class Chart {
     this.drawMarks(colours.text);
     this.picture.addEventListener('click', (event) => {
       const mark = this.near(event);
-      if (mark) this.choice.toggle(mark.pole, mark.order);
+      if (mark) this.onSelect(mark.pole, mark.order);
     });
     this.picture.addEventListener('pointermove', (event) => this.tell(this.near(event)));
     this.element.replaceChildren(this.picture, this.readout);
@@ -208,6 +218,11 @@ export class Chart {
         );
       }
     this.picture.append(layer);
+    const chosen = this.marks.find(({ pole }) => pole === this.selected);
+    if (chosen)
+      this.picture.append(
+        svg('circle', { class: 'selected', cx: chosen.x, cy: chosen.y, r: 8, fill: 'none', stroke: ring, 'stroke-width': 2 }),
+      );
   }
 
   private near(event: MouseEvent): Mark | null {
@@ -224,7 +239,7 @@ export class Chart {
 
   private tell(mark: Mark | null): void {
     if (!mark) {
-      this.readout.textContent = 'Click a pole to switch its mode on or off, or to add it by hand.';
+      this.readout.textContent = 'Click a pole to see the machine move in its shape.';
       return;
     }
     const { pole, order } = mark;

@@ -1,24 +1,12 @@
 // One measured response with its 95 % band and the fit, and the coherence of its output.
 
-import uPlot from 'uplot';
-import { html } from '../dom';
-import type { Complex } from '../complex';
-import { magnitude, phase } from '../mechanics/response';
-import { tick } from '../numbers';
-import { axisStyle, palette, type Palette } from '../palette';
-import { logTicks, magnitudeTicks } from '../bode/picture';
+import type uPlot from 'uplot';
+import { magnitudeAxis, phaseAxis, phaseScale } from '../bode/axes';
+import { asPoints } from '../bode/overlay';
+import { DiagramStack, type Diagram } from '../bode/stack';
+import { magnitude, phase, type Complex } from '../complex';
+import { palette, type Palette } from '../palette';
 import type { Identification } from './types';
-
-interface Diagram {
-  name: string;
-  label: string;
-  height: number;
-  data: uPlot.AlignedData;
-  series: uPlot.Series[];
-  bands?: uPlot.Band[];
-  scale: uPlot.Scale;
-  axis: Partial<uPlot.Axis>;
-}
 
 /** Phases [°], none where they jump by a turn: the line breaks there. */
 const unbroken = (phases: (number | null)[]): (number | null)[] =>
@@ -35,27 +23,19 @@ function unitText(output: string, input: string): string {
   return `${output}/${/[ /]/.test(input) ? `(${input})` : input}`;
 }
 
-export class ResponsePlots {
-  readonly element = html('div', { class: 'plots' });
-  private plots: uPlot[] = [];
+const nameOf = (quantity: string): string => `${quantity} of the measured response over frequency`;
 
-  constructor(private readonly data: Identification) {
-    new ResizeObserver(() => {
-      for (const plot of this.plots)
-        if (plot.width !== this.width()) plot.setSize({ width: this.width(), height: plot.height });
-    }).observe(this.element);
-  }
+export class ResponsePlots {
+  private readonly stack = new DiagramStack('measured');
+  readonly element = this.stack.element;
+
+  constructor(private readonly data: Identification) {}
 
   show(output: number, input: number, fit: Complex[] | null): void {
-    for (const plot of this.plots) plot.destroy();
     const diagrams = [this.magnitudes(output, input, fit), this.phases(output, input, fit)];
     const coherence = this.data.responses.multiple_coherence?.[output];
     if (coherence) diagrams.push(this.coherence(coherence));
-    this.plots = diagrams.map((diagram, k) => this.plot(diagram, k + 1 === diagrams.length));
-  }
-
-  private width(): number {
-    return Math.max(240, this.element.clientWidth || 600);
+    this.stack.show(diagrams);
   }
 
   private get frequency(): number[] {
@@ -85,7 +65,7 @@ export class ResponsePlots {
     const edge = { stroke: 'transparent', width: 0, points: { show: false } };
     const unit = unitText(this.data.outputs[output].unit, this.data.inputs[input].unit);
     return {
-      name: 'Magnitude',
+      name: nameOf('Magnitude'),
       label: unit,
       height: 300,
       data: [
@@ -98,11 +78,7 @@ export class ResponsePlots {
       series: [{}, edge, edge, measured, fitted],
       bands: [{ series: [1, 2], fill: `${palette().flexible}33` }],
       scale: { distr: 3 },
-      axis: {
-        splits: (plot) => magnitudeTicks(plot.scales['y']!.min!, plot.scales['y']!.max!),
-        filter: (_, splits) => splits,
-        values: (_, splits) => splits.map(tick),
-      },
+      axis: magnitudeAxis,
     };
   }
 
@@ -110,7 +86,7 @@ export class ResponsePlots {
     const H = this.measured(output, input);
     const { measured, fit: fitted } = this.lines(palette());
     return {
-      name: 'Phase',
+      name: nameOf('Phase'),
       label: 'phase',
       height: 160,
       data: [
@@ -118,23 +94,15 @@ export class ResponsePlots {
         H.map(phase),
         fit ? unbroken(fit.map(phase)) : H.map(() => null),
       ] as uPlot.AlignedData,
-      // points: a phase that jumps between ±180° would draw a thicket of lines
-      series: [
-        {},
-        { ...measured, paths: () => null, points: { show: true, size: 2.5, fill: palette().flexible } },
-        fitted,
-      ],
-      scale: { distr: 1, range: [-185, 185] },
-      axis: {
-        splits: () => [-180, -90, 0, 90, 180],
-        values: (_, splits) => splits.map((v) => `${v}°`.replace('-', '−')),
-      },
+      series: [{}, { ...measured, ...asPoints(palette().flexible) }, fitted],
+      scale: phaseScale,
+      axis: phaseAxis,
     };
   }
 
   private coherence(values: number[]): Diagram {
     return {
-      name: 'Coherence',
+      name: nameOf('Coherence'),
       label: 'coherence',
       height: 140,
       data: [this.frequency, values],
@@ -142,50 +110,5 @@ export class ResponsePlots {
       scale: { distr: 1, range: [0, 1.02] },
       axis: { splits: () => [0, 0.5, 1] },
     };
-  }
-
-  private plot(diagram: Diagram, last: boolean): uPlot {
-    const colours = palette();
-    const axis = axisStyle(colours);
-    const f = this.frequency;
-    const logarithmic = f[f.length - 1] > 20 * f[0] && f[0] > 0;
-    const plot = new uPlot(
-      {
-        width: this.width(),
-        height: diagram.height + (last ? 22 : 0),
-        padding: [8, 12, 0, 0],
-        legend: { show: false },
-        cursor: { y: false, sync: { key: 'measured' }, drag: { x: true, y: false } },
-        scales: {
-          x: { time: false, distr: logarithmic ? 3 : 1, range: (_, min, max) => [min, max] },
-          y: diagram.scale,
-        },
-        axes: [
-          {
-            ...axis,
-            size: last ? 44 : 24,
-            ...(last ? { label: 'frequency in Hz' } : {}),
-            ...(logarithmic
-              ? {
-                  splits: (p: uPlot) =>
-                    logTicks(p.scales['x']!.min!, p.scales['x']!.max!, p.width < 520),
-                  filter: (_: uPlot, splits: number[]) => splits,
-                  values: (_: uPlot, splits: number[]) =>
-                    splits.map((v) => String(Number(v.toPrecision(3)))),
-                }
-              : {}),
-          },
-          { ...axis, size: 66, label: diagram.label, labelSize: 18, ...diagram.axis },
-        ],
-        series: diagram.series,
-        ...(diagram.bands ? { bands: diagram.bands } : {}),
-      },
-      diagram.data,
-      this.element,
-    );
-    const canvas = plot.root.querySelector('canvas');
-    canvas?.setAttribute('role', 'img');
-    canvas?.setAttribute('aria-label', `${diagram.name} of the measured response over frequency`);
-    return plot;
   }
 }

@@ -1,36 +1,17 @@
 // Tables of measured modes: the poles in use, their MAC, and the comparison with a model.
 
 import type { Complex } from '../complex';
-import { html, unseen } from '../dom';
-import { fixed, hertz, signedPercent } from '../numbers';
+import { button, html, unseen } from '../dom';
+import { fixed, hertz, significant, signedPercent } from '../numbers';
 import { palette } from '../palette';
+import { numeric, scroller, tableHead } from '../table';
 import type { Choice, ChosenPole } from './choice';
 import type { Fit } from './fit';
 import type { Comparison, Identification, IdentifiedMode } from './types';
 
 const percent = (ratio: number, digits = 2) => `${fixed(100 * ratio, digits)} %`;
-/** Half an interval, to two digits. */
-const interval = (value: number) => String(Number(value.toPrecision(2)));
-
-function framed(label: string, table: HTMLElement): HTMLElement {
-  return html('div', { class: 'scroller', tabindex: 0, role: 'region', 'aria-label': label }, table);
-}
-
-function headed(columns: [string, boolean][]): HTMLElement {
-  return html(
-    'thead',
-    {},
-    html(
-      'tr',
-      {},
-      ...columns.map(([title, numeric]) =>
-        html('th', { scope: 'col', class: numeric ? 'numeric' : null }, title),
-      ),
-    ),
-  );
-}
-
-const numeric = (text: string) => html('td', { class: 'numeric' }, text);
+/** Half of an interval. */
+const interval = (value: number) => significant(value, 2);
 
 /** The outputs that move most, in one unit as they are, else each in proportion to the size of its own
  * responses; of poles that the reader has chosen. */
@@ -68,6 +49,8 @@ function nameOf(pole: ChosenPole): string {
 
 /** The table of poles; its boxes switch them. */
 export class PoleTable {
+  /** The shape of a pole is wanted. */
+  onShow: (pole: ChosenPole) => void = () => {};
   readonly element: HTMLElement;
   private readonly body = html('tbody');
 
@@ -79,27 +62,29 @@ export class PoleTable {
       'table',
       { class: 'modes identified' },
       html('caption', { class: 'unseen' }, 'Identified modes; the boxes switch poles on and off'),
-      headed([
-        ['mode', false],
-        ['Hz', true],
-        ['±', true],
-        ['damping', true],
-        ['±', true],
-        ['motion', false],
-        ['MPC', true],
-        ['MPD', true],
-        ['quality', true],
-      ]),
+      tableHead(
+        ['mode'],
+        ['Hz', 'numeric'],
+        ['±', 'numeric'],
+        ['damping', 'numeric'],
+        ['±', 'numeric'],
+        ['motion'],
+        ['MPC', 'numeric'],
+        ['MPD', 'numeric'],
+        ['quality', 'numeric'],
+        ['in 3D'],
+      ),
       this.body,
     );
-    this.element = framed('Table of identified modes', table);
+    this.element = scroller('Table of identified modes', table);
   }
 
   show(fit: Fit): void {
-    const focused = (document.activeElement as HTMLElement | null)?.dataset['pole'];
+    const focused = (document.activeElement as HTMLElement | null)?.dataset ?? {};
     this.body.replaceChildren(...this.choice.poles.map((pole, k) => this.row(pole, k, fit)));
-    if (focused !== undefined)
-      this.body.querySelector<HTMLInputElement>(`[data-pole="${focused}"]`)?.focus();
+    for (const name of ['pole', 'shape'])
+      if (focused[name] !== undefined)
+        this.body.querySelector<HTMLElement>(`[data-${name}="${focused[name]}"]`)?.focus();
   }
 
   /** As identified, until the reader changes the poles. */
@@ -131,6 +116,14 @@ export class PoleTable {
       numeric(mode ? fixed(mode.mpc, 3) : '–'),
       numeric(mode ? `${fixed((180 / Math.PI) * mode.mpd_rad, 1)}°` : '–'),
       numeric(mode ? fixed(mode.quality, 2) : '–'),
+      html(
+        'td',
+        {},
+        button('Show', () => this.onShow(pole), {
+          'data-shape': index,
+          'aria-label': `Show the shape of the pole at ${hertz(pole.frequency_hz)} Hz`,
+        }),
+      ),
     );
   }
 }
@@ -167,7 +160,7 @@ export function macTable(data: Identification): HTMLElement {
       ),
     ),
   );
-  return framed('MAC matrix', table);
+  return scroller('MAC matrix', table);
 }
 
 /** One line per mode, and one for all local seal modes. */
@@ -208,17 +201,17 @@ export function comparisonTable(data: Identification, comparison: Comparison): H
     'table',
     { class: 'modes compared' },
     html('caption', { class: 'unseen' }, 'Measured modes and modes of the model'),
-    headed([
-      ['mode', true],
-      ['Hz', true],
-      ['model Hz', true],
-      ['difference', true],
-      ['damping', true],
-      ['model', true],
-      ['difference', true],
-      ['MAC', true],
-      ['mode of the model', false],
-    ]),
+    tableHead(
+      ['mode', 'numeric'],
+      ['Hz', 'numeric'],
+      ['model Hz', 'numeric'],
+      ['difference', 'numeric'],
+      ['damping', 'numeric'],
+      ['model', 'numeric'],
+      ['difference', 'numeric'],
+      ['MAC', 'numeric'],
+      ['mode of the model'],
+    ),
     html('tbody', {}, ...rows),
   );
   const left = [
@@ -232,7 +225,7 @@ export function comparisonTable(data: Identification, comparison: Comparison): H
     {},
     html('h3', {}, 'Comparison with the model'),
     html('p', { class: 'note' }, comparison.heading),
-    framed('Measured and model modes', table),
+    scroller('Measured and model modes', table),
     left.length > 0 ? html('ul', { class: 'note' }, ...left.map((text) => html('li', {}, text))) : null,
   );
 }

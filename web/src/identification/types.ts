@@ -23,6 +23,10 @@ export interface Measured {
 export interface Channel {
   name: string;
   unit: string;
+  /** "x" … "rz" of the platform, "-x" against it, "leg 1", or none. */
+  direction?: string;
+  /** 1: a speed, 2: an acceleration. */
+  time_derivatives?: number;
 }
 
 export interface FittedPole {
@@ -61,6 +65,8 @@ export interface ModelMode {
   frequency_hz: number;
   damping_ratio: number;
   label: string;
+  /** Of the mass centre, x … rz [m, rad]; of modes that have a partner. */
+  motion?: Vector;
 }
 
 export interface Comparison {

@@ -1,6 +1,7 @@
 // A distribution of numbers: what describes it, and its histogram.
 
 import { svg } from '../dom';
+import { significant } from '../numbers';
 import { niceLevels } from '../workspace/contour';
 
 export interface Description {
@@ -55,7 +56,7 @@ export function histogram(values: number[], axis: string, bound: number | null, 
   picture.append(
     ...niceLevels(0, tallest).map((count) => svg('g', {}, svg('line', { class: 'grid', x1: inside.left, x2: width - inside.right, y1: y(count), y2: y(count) }), svg('text', { x: inside.left - 6, y: y(count) + 4, 'text-anchor': 'end' }, String(count)))),
     ...bars,
-    ...niceLevels(from, to).map((tick) => svg('text', { x: x(tick), y: bottom + 16, 'text-anchor': 'middle' }, String(Number(tick.toPrecision(4))).replace('-', '−'))),
+    ...niceLevels(from, to).map((tick) => svg('text', { x: x(tick), y: bottom + 16, 'text-anchor': 'middle' }, significant(tick, 4))),
     ...(bound === null ? [] : [svg('line', { class: 'bound', x1: x(bound), x2: x(bound), y1: inside.top, y2: bottom })]),
     svg('text', { x: (inside.left + width - inside.right) / 2, y: height - 6, 'text-anchor': 'middle' }, axis),
   );

@@ -3,8 +3,8 @@
 
 import type { Geometry, Vector } from '../document';
 import { svg } from '../dom';
-import type { MachinePoints } from '../mechanics/motion';
-import { add, cross, dot, scale, subtract, unit } from '../mechanics/vector';
+import type { MachinePoints } from './motion';
+import { add, cross, dot, scale, subtract, unit } from './vector';
 import type { Palette } from '../palette';
 import { outline, sizesOf, type Camera } from './view';
 
@@ -115,6 +115,12 @@ export function drawing(
   );
   points.legs.forEach((leg, i) => {
     const R = sizes.caseRadius(i);
+    if (geometry.legs[i]?.strut) {
+      line(leg.base, leg.joint, 2 * sizes.rodRadius(i), colours.rod, { 'stroke-linecap': 'round' });
+      dot_(leg.base, 1.1 * R, colours.faint);
+      dot_(leg.joint, 0.95 * R, colours.faint);
+      return;
+    }
     const axis = unit(subtract(leg.sleeve, leg.base));
     line(leg.base, leg.sleeve, 2 * R, colours.case, { 'stroke-opacity': 0.55 });
     line(leg.piston, leg.joint, 2 * sizes.rodRadius(i), colours.rod, { 'stroke-linecap': 'round' });

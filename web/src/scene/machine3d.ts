@@ -18,9 +18,8 @@ import {
   Vector3,
 } from 'three';
 import type { Geometry, Vector } from '../document';
-import type { LegPoints } from '../mechanics/leg';
-import type { MachinePoints } from '../mechanics/motion';
-import { add, along, cross, norm, scale, subtract, unit } from '../mechanics/vector';
+import type { LegPoints, MachinePoints } from './motion';
+import { add, along, cross, norm, scale, subtract, unit } from './vector';
 import type { Palette } from '../palette';
 import { outline, sizesOf, type Sizes } from './view';
 
@@ -58,7 +57,13 @@ class Leg3D {
   private readonly upper: Mesh;
   readonly label: Sprite;
 
-  constructor(index: number, sizes: Sizes, materials: Materials, palette: Palette) {
+  constructor(
+    index: number,
+    sizes: Sizes,
+    materials: Materials,
+    palette: Palette,
+    private readonly strut = false,
+  ) {
     const R = sizes.caseRadius(index);
     const r = sizes.rodRadius(index);
     this.tube = new Mesh(rodGeometry(R), materials.case);
@@ -83,11 +88,12 @@ class Leg3D {
     ])
       this.group.add(part);
     this.group.add(this.label);
+    for (const part of [this.tube, this.piston, this.sleeve, this.passage]) part.visible = !strut;
   }
 
   place(points: LegPoints, size: number): void {
-    const axis = subtract(points.sleeve, points.base);
-    stretch(this.tube, points.base, points.sleeve);
+    const axis = subtract(this.strut ? points.joint : points.sleeve, points.base);
+    if (!this.strut) stretch(this.tube, points.base, points.sleeve);
     stretch(this.rod, points.piston, points.joint);
     this.piston.position.copy(three(points.piston));
     this.piston.quaternion.copy(this.tube.quaternion);
@@ -212,7 +218,9 @@ export class Machine3D {
     this.base = new Plate(6, materials.base);
     const feet = geometry.legs.map((leg) => leg.base_joint_m);
     this.feetOrder = outline(feet, [0, 0, 0]);
-    this.legs = geometry.legs.map((_, i) => new Leg3D(i, this.sizes, materials, palette));
+    this.legs = geometry.legs.map(
+      (leg, i) => new Leg3D(i, this.sizes, materials, palette, leg.strut),
+    );
     this.center = new Mesh(new SphereGeometry(0.022 * this.sizes.size, 18, 12), materials.sleeve);
     this.group.add(
       this.base.mesh,

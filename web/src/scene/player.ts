@@ -1,6 +1,6 @@
 // Moves two machines in a mode and its rigid counterpart, at one phase.
 
-import type { Mode, PoseReport } from '../document';
+import type { PoseReport } from '../document';
 import {
   alignment,
   largest,
@@ -8,12 +8,23 @@ import {
   restShape,
   shapeOf,
   sizeOf,
+  type AtRest,
+  type ModeShape,
   type Shape,
-} from '../mechanics/motion';
+} from './motion';
 import type { Side, View } from './view';
 
 /** Least MAC of two modes that are shown as counterparts. */
 export const comparable = 0.1;
+
+/** A pose of the report, or a machine that was measured there. */
+export interface MovingPose extends AtRest {
+  model: PoseReport['model'];
+  rigid_modes: ModeShape[];
+}
+
+/** A mode, and its counterpart in `rigid_modes`, counted from 1. */
+export type MovingMode = ModeShape & { rigid?: { mode: number; mac: number } };
 
 export class Player {
   playing = true;
@@ -29,8 +40,8 @@ export class Player {
   private amplitude = 0;
   private rigidAmplitude = 0;
   private sides: Side[] = [];
-  private mode: Mode | null = null;
-  private pose: PoseReport | null = null;
+  private mode: MovingMode | null = null;
+  private pose: MovingPose | null = null;
   private last = 0;
   private scheduled = false;
   /** Something changed since it was drawn last. */
@@ -42,7 +53,7 @@ export class Player {
 
   constructor(private readonly view: View) {}
 
-  show(pose: PoseReport, mode: Mode): void {
+  show(pose: MovingPose, mode: MovingMode): void {
     const changed = pose !== this.pose;
     this.pose = pose;
     this.mode = mode;
@@ -134,6 +145,7 @@ export class Player {
       this.view.setPoints(side, pointsAt(this.shapeAt(side), amplitude, this.phase));
     }
     this.view.draw();
-    if (++this.frames === 1) window.hydrapod.firstFrame = performance.now();
+    ++this.frames;
+    window.hydrapod.firstFrame ??= performance.now();
   }
 }

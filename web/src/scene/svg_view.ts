@@ -2,8 +2,7 @@
 
 import type { Geometry } from '../document';
 import { html } from '../dom';
-import type { LegPoints } from '../mechanics/leg';
-import type { MachinePoints } from '../mechanics/motion';
+import type { LegPoints, MachinePoints } from './motion';
 import { palette } from '../palette';
 import { drawing } from './drawing';
 import { homeCamera, type Camera, type Side, type View } from './view';

@@ -1,10 +1,8 @@
 // What a picture of two machines side by side can do, with WebGL or without.
 
 import type { Geometry, Vector } from '../document';
-import type { LegPoints } from '../mechanics/leg';
-import type { MachinePoints } from '../mechanics/motion';
-import { sizeOf } from '../mechanics/motion';
-import { add, norm, scale, subtract } from '../mechanics/vector';
+import { sizeOf, type LegPoints, type MachinePoints } from './motion';
+import { add, norm, scale, subtract } from './vector';
 
 export type Side = 'flexible' | 'rigid';
 

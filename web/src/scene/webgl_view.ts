@@ -14,18 +14,16 @@ import {
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import type { Geometry } from '../document';
 import { html } from '../dom';
-import type { LegPoints } from '../mechanics/leg';
-import type { MachinePoints } from '../mechanics/motion';
+import type { LegPoints, MachinePoints } from './motion';
 import { palette } from '../palette';
 import { Machine3D } from './machine3d';
+import { Sharpness } from './sharpness';
 import { homeCamera, sizesOf, type Side, type View } from './view';
 
-/** Vertical field of view [°] at which the whole machine is seen at the usual distance. */
+/** Vertical field of view [°] at which the whole machine is seen at the usual distance, in width and in height. */
 function fieldOfView(aspect: number): number {
-  const usual = 26;
-  const fits = 1.12;
-  if (aspect > fits) return usual;
-  return (2 * Math.atan((Math.tan((usual * Math.PI) / 360) * fits) / aspect) * 180) / Math.PI;
+  const [width, height] = [Math.tan(0.253), Math.tan(0.267)]; // half of it, per distance
+  return (2 * Math.atan(Math.max(height, width / aspect)) * 180) / Math.PI;
 }
 
 interface Stage {
@@ -46,8 +44,9 @@ export class WebglView implements View {
   private geometry: Geometry | null = null;
   private sides: Side[] = [];
   private labels = true;
-  /** Of the canvas when it was drawn last [px]. */
-  private drawn = { width: 0, height: 0 };
+  /** Of the canvas when it was drawn last [px]; pixels of the screen per pixel. */
+  private drawn = { width: 0, height: 0, ratio: 0 };
+  private readonly sharpness: Sharpness;
 
   /** Throws where there is no WebGL. */
   constructor(onChange: () => void) {
@@ -56,7 +55,7 @@ export class WebglView implements View {
     const context = this.canvas.getContext('webgl2', { antialias: true, alpha: true });
     if (!context) throw new Error('no WebGL');
     this.renderer = new WebGLRenderer({ canvas: this.canvas, context, alpha: true });
-    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    this.sharpness = new Sharpness(onChange);
     this.camera.up.set(0, 0, 1);
     this.controls = new OrbitControls(this.camera, this.canvas);
     this.controls.enablePan = false;
@@ -161,9 +160,11 @@ export class WebglView implements View {
   draw(): void {
     const { clientWidth: width, clientHeight: height } = this.canvas;
     const seen = width > 0 && height > 0;
+    const ratio = Math.min(devicePixelRatio, 2) * this.sharpness.ofFrame(performance.now());
     // to set a size, even the same one, makes the picture's memory anew
+    if (seen && ratio !== this.drawn.ratio) this.renderer.setPixelRatio(ratio);
     if (seen && this.resized()) this.renderer.setSize(width, height, false);
-    this.drawn = { width, height };
+    this.drawn = { width, height, ratio };
     if (!seen) return;
     this.renderer.setScissorTest(true);
     const stacked = this.sides.length > 1 && width < height * 1.1;

@@ -4,12 +4,12 @@ import { Chooser } from '../bode/chooser';
 import { csv, Sweep, titleOf, unitOf, type Curves, type Pair } from '../bode/curves';
 import { bodePicture, pngOf, svgText } from '../bode/picture';
 import { BodePlot } from '../bode/plot';
+import { coreFailure, sharedCore } from '../core/shared';
 import type { Bode } from '../document';
 import { directions } from '../document';
 import { button, download, html, slider } from '../dom';
 import type { Readout } from '../hooks';
-import type { Complex } from '../complex';
-import { magnitude, phase } from '../mechanics/response';
+import { magnitude, phase, type Complex } from '../complex';
 import { fixed, hertz, scientific } from '../numbers';
 import { light, palette } from '../palette';
 import type { State } from '../state';
@@ -18,8 +18,8 @@ import type { Section } from './section';
 export const bode: Section = {
   id: 'bode',
   title: 'Bode diagrams',
-  applies: (report) =>
-    report.poses.every((pose) => pose.bode !== undefined) && report.poses.length > 0,
+  applies: ({ editable, poses }) =>
+    editable !== undefined && poses.length > 0 && poses.every((pose) => pose.bode !== undefined),
   render: (state, host) => {
     new BodeSection(state, host);
   },
@@ -30,9 +30,13 @@ const sliderSteps = 1000;
 
 class BodeSection {
   private pair: Pair;
+  /** [Hz]; another one for every calculation. */
   private band: [number, number] = [1, 2];
   private sweep!: Sweep;
   private curves!: Curves;
+  /** Until the curves of the chosen band are shown. */
+  private ready = Promise.resolve();
+  private chooserIsOld = true;
   private index: number | null = null;
   private readonly plot: BodePlot;
   private readonly chooser: Chooser;
@@ -42,6 +46,8 @@ class BodeSection {
   private readonly peaks = html('p', { class: 'note' });
   private readonly print = html('div', { class: 'print-only figures' });
   private readonly frequency;
+  /** On the page from the first curves on. */
+  private readonly content = html('div', { class: 'bode' });
 
   constructor(
     private readonly state: State,
@@ -63,27 +69,23 @@ class BodeSection {
       (value) => this.setCursor(this.frequencyAt(value)),
       'cursor',
     );
-    host.append(
+    this.content.append(
+      html('div', { class: 'bode-choice' }, this.chooser.element, this.peaks),
       html(
         'div',
-        { class: 'bode' },
-        html('div', { class: 'bode-choice' }, this.chooser.element, this.peaks),
-        html(
-          'div',
-          { class: 'bode-plots' },
-          this.heading,
-          this.legend(),
-          this.plot.element,
-          this.tools(),
-          this.readout,
-        ),
+        { class: 'bode-plots' },
+        this.heading,
+        this.legend(),
+        this.plot.element,
+        this.tools(),
+        this.readout,
       ),
-      this.note,
-      this.print,
     );
+    this.note.textContent = 'The core is starting …';
+    host.append(this.note, this.print);
     state.listen((change) => {
       if (change === 'pose' || change === 'numbers') this.newPose();
-      if (change === 'theme') this.draw();
+      if (change === 'theme' && this.content.isConnected) this.draw();
     });
     this.newPose();
     this.offerHook();
@@ -94,7 +96,7 @@ class BodeSection {
   }
 
   private newPose(): void {
-    this.chooser.show(this.state.pose, this.pair);
+    this.chooserIsOld = true;
     this.reset();
   }
 
@@ -102,10 +104,31 @@ class BodeSection {
     this.zoom(this.data.from_rad_s / two_pi, this.data.to_rad_s / two_pi);
   }
 
-  /** Shows the band [Hz]; the curves are computed for it, so that resonances stay resolved. */
+  /** Shows the band [Hz]; the core computes the curves for it, so that resonances stay resolved. */
   private zoom(from: number, to: number): void {
     this.band = [from, to];
-    this.sweep = new Sweep(this.state.pose, two_pi * from, two_pi * to, this.data.points);
+    this.ready = this.compute().catch((error) => {
+      this.note.textContent = coreFailure(error);
+    });
+  }
+
+  private async compute(): Promise<void> {
+    const { band, state } = this;
+    const { pose, isWhatIf, displaced } = state;
+    const core = await sharedCore(state);
+    const curves = await core.curves({
+      set: isWhatIf ? state.values : [],
+      pose: state.poseNumber,
+      ...(isWhatIf && displaced ? { displaced } : {}),
+      from: two_pi * band[0],
+      to: two_pi * band[1],
+      points: this.data.points,
+    });
+    if (band !== this.band) return this.ready; // another one was chosen meanwhile
+    this.sweep = new Sweep(pose, curves);
+    if (!this.content.isConnected) this.note.before(this.content);
+    if (this.chooserIsOld) this.chooser.show(this.sweep, this.pair);
+    this.chooserIsOld = false;
     this.draw();
   }
 
@@ -279,7 +302,11 @@ class BodeSection {
   }
 
   private offerHook(): void {
+    const section = this;
     window.hydrapod.bode = {
+      get ready() {
+        return section.ready;
+      },
       choose: (output, input) => this.choose({ output, input }),
       setCursor: (frequency) => this.setCursor(frequency),
       cursor: () => this.cursor(),

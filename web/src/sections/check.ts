@@ -2,8 +2,9 @@
 
 import { directions, type Ability, type PoseCheck, type Reach } from '../document';
 import { html, svg } from '../dom';
-import { fixed, hertz } from '../numbers';
+import { fixed, hertz, significant } from '../numbers';
 import type { State } from '../state';
+import { scroller } from '../table';
 import type { Section } from './section';
 
 export const check: Section = {
@@ -47,6 +48,8 @@ const limits: Record<string, [family: string, text: string]> = {
   stroke_in: ['stroke', 'stroke'],
   base_joint: ['joint', 'base joint'],
   platform_joint: ['joint', 'platform joint'],
+  torque: ['motor', 'motor torque'],
+  motor_speed: ['motor', 'motor speed'],
   singular: ['other', 'singular pose'],
   range: ['other', 'not reached'],
 };
@@ -57,6 +60,7 @@ const families: Record<string, string> = {
   pump: 'flow of the pump',
   stroke: 'stroke of a leg',
   joint: 'joint angle',
+  motor: 'motor of a leg: torque or speed',
   other: 'singular pose, or nothing within the range',
 };
 
@@ -72,12 +76,18 @@ function parts(state: State): HTMLElement[] {
     ...other,
     ...(pose.warnings.length > 0 ? [html('ul', { class: 'check-warnings' }, ...pose.warnings.map((text) => html('li', {}, text)))] : []),
     html('p', {}, facts(pose)),
-    html('div', { class: 'scroller', tabindex: 0, role: 'region', 'aria-label': 'Legs at rest' }, legTable(pose)),
-    ...(pose.capability ? capability(pose) : [html('p', {}, 'The machine does not stand at this pose: it can do nothing there.')]),
+    scroller('Legs at rest', legTable(pose)),
+    ...(pose.capability ? capability(pose) : unable(pose)),
     ...(found.simulation_assumptions.length > 0
       ? [html('details', {}, html('summary', {}, 'Assumed values'), html('ul', {}, ...found.simulation_assumptions.map(({ key, text }) => html('li', {}, html('code', {}, key), `: ${text}`))))]
       : []),
   ];
+}
+
+/** Struts move nothing, and of motors without limits it is not said what they can do. */
+function unable(pose: PoseCheck): HTMLElement[] {
+  const moves = pose.legs.every((leg) => leg.piston_m !== null && (leg.holding_torque_N_m === undefined || leg.torque_limit_N_m !== undefined));
+  return moves ? [html('p', {}, 'The machine does not stand at this pose: it can do nothing there.')] : [];
 }
 
 function facts(pose: PoseCheck): string {
@@ -103,17 +113,22 @@ function facts(pose: PoseCheck): string {
 
 function legTable(pose: PoseCheck): HTMLElement {
   type Leg = PoseCheck['legs'][number];
+  const ofOil = (value: (leg: Leg) => number) => (leg: Leg) =>
+    leg.piston_m === null || leg.holding_torque_N_m !== undefined ? null : value(leg);
   const columns: [title: string, (leg: Leg) => number | null | undefined, digits: number][] = [
     ['length, mm', (leg) => 1e3 * leg.length_m, 1],
     ['stroke left in, mm', (leg) => leg.retract_left_m && 1e3 * leg.retract_left_m, 1],
     ['stroke left out, mm', (leg) => leg.extend_left_m && 1e3 * leg.extend_left_m, 1],
     ['force at rest, kN', (leg) => 1e-3 * leg.axial_force_N, 2],
-    ['oil can push, kN', (leg) => 1e-3 * leg.largest_push_N, 1],
-    ['oil can pull, kN', (leg) => 1e-3 * leg.largest_pull_N, 1],
+    ['oil can push, kN', ofOil((leg) => 1e-3 * leg.largest_push_N), 1],
+    ['oil can pull, kN', ofOil((leg) => 1e-3 * leg.largest_pull_N), 1],
+    ['torque at rest, N m', (leg) => leg.holding_torque_N_m, 2],
+    ['motor torque, N m', (leg) => leg.torque_limit_N_m, 1],
+    ['largest speed, m/s', (leg) => leg.largest_speed_m_s, 3],
     ['column bears, kN', (leg) => leg.column && 1e-3 * leg.column.strength_N, 1],
     ['cap side, bar', (leg) => leg.cap_pressure_Pa && 1e-5 * leg.cap_pressure_Pa, 1],
     ['rod side, bar', (leg) => leg.rod_pressure_Pa && 1e-5 * leg.rod_pressure_Pa, 1],
-    ['rod off its axis, mm', (leg) => 1e3 * leg.sleeve_offset_m, 2],
+    ['rod off its axis, mm', (leg) => (leg.piston_m === null ? null : 1e3 * leg.sleeve_offset_m), 2],
     ['gap of the guide, mm', (leg) => leg.guide_gap_m && 1e3 * leg.guide_gap_m, 2],
     ['bow of rod and case, mm', (leg) => leg.bow_m && 1e3 * leg.bow_m, 3],
   ];
@@ -145,7 +160,7 @@ function capability(pose: PoseCheck): HTMLElement[] {
   ];
 }
 
-const short = (value: number): string => String(Number(value.toPrecision(3))).replace('-', '−');
+const short = (value: number): string => significant(value, 3);
 
 /** Bars along the axis to the right, against it to the left, as shares of the longest of three. */
 function abilityPicture({ ability, title, units }: Axis, rows: NonNullable<PoseCheck['capability']>['directions']): HTMLElement {

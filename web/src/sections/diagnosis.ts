@@ -5,7 +5,9 @@ import { stackedBar, type Part } from '../bars';
 import type { Diagnosis, DiagnosedMode, Hypothesis, Remedy } from '../document';
 import { button, html, svg } from '../dom';
 import { fixed, hertz, signedPercent } from '../numbers';
+import { Prediction } from '../diagnosis/prediction';
 import type { State } from '../state';
+import { scroller, tableHead } from '../table';
 import type { Section } from './section';
 
 export const diagnosis: Section = {
@@ -78,14 +80,13 @@ function measuredTable(state: State, found: Diagnosis): HTMLElement {
     'compliance',
     'in 3D',
   ];
-  return html(
-    'div',
-    { class: 'scroller', tabindex: '0', role: 'region', 'aria-label': 'Measured modes' },
+  return scroller(
+    'Measured modes',
     html(
       'table',
       { class: 'diagnosed' },
       html('caption', {}, 'Measured modes, rigid-leg model and best hypothesis'),
-      html('thead', {}, html('tr', {}, ...titles.map((t) => html('th', { scope: 'col' }, t)))),
+      tableHead(...titles.map((title): [string] => [title])),
       html('tbody', {}, ...rows),
     ),
   );
@@ -111,14 +112,25 @@ function folded(items: HTMLElement[], count: number, list: (part: HTMLElement[],
   return [list(items.slice(0, count), 1), more];
 }
 
-/** A bar per hypothesis; its length is the logarithm of its BIC above the best. */
-function ranking(found: Diagnosis): HTMLElement[] {
+/**
+ * A bar per hypothesis; its length is the logarithm of its BIC above the best. The buttons show predictions;
+ * `mark` marks the one that is shown.
+ */
+function ranking(found: Diagnosis, show: (hypothesis: number) => void): { parts: HTMLElement[]; mark: (hypothesis: number) => void } {
   const hypotheses = found.hypotheses ?? [];
   const shown = hypotheses.filter((e, k) => k < 12 || e.causes.length === 0);
   const length = (e: Hypothesis) => Math.log10(1 + Math.max(0, e.bic_above_best));
   const longest = Math.max(1, ...shown.map(length));
-  return folded(
+  const buttons = new Map<number, HTMLButtonElement>();
+  const parts = folded(
     shown.map((e) => {
+      const number = hypotheses.indexOf(e);
+      const showButton = button('Show', () => show(number), {
+        'data-hypothesis': number,
+        'aria-label': `Show the prediction of ${e.name}`,
+        'aria-pressed': 'false',
+      });
+      buttons.set(number, showButton);
       const bar = html('i', { class: e.equally_good ? 'bar equally_good' : 'bar' });
       bar.style.width = `${2 + (98 * length(e)) / longest}%`;
       const worse = e.bic_above_best < 0.05 ? 'lowest BIC' : `BIC ${plain(e.bic_above_best)} above the best`;
@@ -127,6 +139,7 @@ function ranking(found: Diagnosis): HTMLElement[] {
         {},
         html('strong', {}, e.name),
         ` (${e.equally_good ? `${worse}, explains the data equally well` : worse})`,
+        showButton,
         html('div', { class: 'track', 'aria-hidden': 'true' }, bar),
         html('span', { class: 'note' }, [values(e), e.contradictions[0] ?? ''].filter(Boolean).join(' — ')),
       );
@@ -135,6 +148,8 @@ function ranking(found: Diagnosis): HTMLElement[] {
     (part, from) => html('ol', { class: 'ranking', start: from }, ...part),
     (rest) => `${rest} more hypotheses`,
   );
+  const mark = (hypothesis: number) => buttons.forEach((b, k) => b.setAttribute('aria-pressed', String(k === hypothesis)));
+  return { parts, mark };
 }
 
 /** Frequency or drop as a function of stiffness, with the value of the computed machine and the required one. */
@@ -223,12 +238,25 @@ function render(state: State, host: HTMLElement): void {
   );
   if (found.measured_modes && found.measured_modes.length > 0)
     left.append(measuredTable(state, found));
-  if (found.hypotheses && found.hypotheses.length > 1)
-    right.append(html('h3', {}, 'Hypotheses'), ...ranking(found));
+  if (found.hypotheses && found.hypotheses.length > 1) {
+    const prediction = new Prediction(found);
+    const { parts, mark } = ranking(found, (hypothesis) => prediction.show(hypothesis));
+    prediction.onShow = mark;
+    prediction.show(0);
+    state.listen((change) => change === 'theme' && prediction.draw());
+    left.append(html('h3', {}, 'Prediction and measurement'), prediction.element);
+    right.append(html('h3', {}, 'Hypotheses'), ...parts);
+    window.hydrapod.diagnosis = {
+      show: (hypothesis) => prediction.show(hypothesis),
+      shown: () => prediction.shown,
+      choose: (overlay, curve) => prediction.choose(overlay, curve),
+      drawn: () => prediction.drawn(),
+    };
+  }
   if (found.remedy)
     right.append(
       html('h3', {}, `Required stiffness of the guide sleeves for ${found.remedy.goal.words}`),
-      html('figure', { class: 'scroller' }, curve(found.remedy, found.computed_machine)),
+      html('figure', { class: 'scroller', tabindex: 0, 'aria-label': 'Required stiffness of the guide sleeves' }, curve(found.remedy, found.computed_machine)),
       html(
         'p',
         { class: 'note' },

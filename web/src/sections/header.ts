@@ -161,7 +161,7 @@ function answer(pose: PoseReport): Node[] {
   const result = pose.answer;
   if (!result) return [html('p', { class: 'words' }, 'All modes of this model are local seal modes.')];
   const nodes: Node[] = [html('p', { class: 'words' }, ...withCode(result.text))];
-  if (result.stable) nodes.push(html('dl', { class: 'numbers' }, ...numbers(result)));
+  if (result.stable) nodes.push(html('dl', { class: 'numbers' }, ...numbers(pose, result)));
   return nodes;
 }
 
@@ -171,7 +171,7 @@ const weight = ({ share_of_rigid_mode: part, peak_height: peak }: Answer): strin
     ? ''
     : `; ${share(part)} of the motion, peak ${fixed(peak, 2)} times as high`;
 
-function numbers(result: Answer): HTMLElement[] {
+function numbers(pose: PoseReport, result: Answer): HTMLElement[] {
   const { rigid_frequency_hz: rigid, drop_percent: drop } = result;
   const items: HTMLElement[] = [];
   if (rigid !== undefined)
@@ -180,7 +180,7 @@ function numbers(result: Answer): HTMLElement[] {
     );
   items.push(
     number(
-      'With flexible legs',
+      pose.model === 'rigid' ? 'With rigid legs' : 'With flexible legs',
       hertz(result.frequency_hz),
       'Hz',
       `mode ${result.mode}, ${result.directions}`,

@@ -2,13 +2,15 @@
 // comparison with the model.
 
 import { agreements, Chart, markPath } from '../identification/chart';
-import { Choice } from '../identification/choice';
-import { Fitter, type Fit } from '../identification/fit';
+import { Choice, type ChosenPole } from '../identification/choice';
+import { Fitter, type Fit, type Pole } from '../identification/fit';
 import { ResponsePlots } from '../identification/plots';
+import { MovingShape, type ShownShape } from '../identification/moving_shape';
+import { displacementOf, platformMotion } from '../identification/platform_motion';
 import { comparisonTable, macTable, PoleTable } from '../identification/tables';
-import type { Channel, Identification } from '../identification/types';
-import { button, html, identifier, svg } from '../dom';
-import { fixed } from '../numbers';
+import type { ChartPole, Identification, Vector } from '../identification/types';
+import { button, controlRow, html, identifier, select, svg } from '../dom';
+import { fixed, hertz, significant, signedPercent } from '../numbers';
 import { palette } from '../palette';
 import type { State } from '../state';
 import type { Section } from './section';
@@ -22,18 +24,26 @@ export const identification: Section = {
   },
 };
 
-function select(label: string, channels: Channel[], name: string, change: (k: number) => void) {
-  const id = identifier(name);
-  const element = html(
-    'select',
-    { id, 'data-control': name },
-    ...channels.map((channel, k) => html('option', { value: k }, channel.name)),
-  );
-  element.addEventListener('change', () => change(Number(element.value)));
-  return {
-    element: html('span', { class: 'select' }, html('label', { for: id }, label), element),
-    input: element,
-  };
+/** The pole whose shape is shown: one of the table, or one of the chart that is in none. */
+interface Selected {
+  pole: Pole & { frequency_hz: number; damping_ratio: number };
+  known?: ChosenPole;
+  mark?: ChartPole;
+  order?: number;
+}
+
+function poleName({ known, order }: Selected): string {
+  if (known?.kind === 'mode') return `mode ${known.number}`;
+  if (known?.kind === 'heavy') return 'heavily damped';
+  return `pole of order ${known?.number ?? order ?? '?'}`;
+}
+
+/** Of a pole that is not one of the modes. */
+function poleCaption({ pole, known }: Selected): string {
+  const damping = `damping ratio ${fixed(100 * pole.damping_ratio, 2)} %.`;
+  return known?.kind === 'heavy'
+    ? `Heavily damped pole, ${damping}`
+    : `Pole that belongs to no mode, ${damping} Its shape is that of the fit with the poles that are switched on.`;
 }
 
 class IdentificationSection {
@@ -46,6 +56,9 @@ class IdentificationSection {
   private readonly error = html('p', { class: 'note', 'aria-live': 'polite' });
   private readonly keys = html('ul', { class: 'legend' });
   private readonly macHost = html('div');
+  private readonly shape: MovingShape | null;
+  private readonly switchButton = button('Switch off', () => this.switchSelected(), { 'data-control': 'selected-switch' });
+  private selected: Selected | null = null;
   private fit!: Fit;
   private output = 0;
   private input = 0;
@@ -57,35 +70,51 @@ class IdentificationSection {
     this.chart = new Chart(this.data, this.choice);
     this.plots = new ResponsePlots(this.data);
     this.table = new PoleTable(this.data, this.choice);
+    const geometry = state.report.poses[0]?.geometry;
+    this.shape = geometry ? new MovingShape(geometry, [this.switchButton]) : null;
     this.choice.onChange = () => this.refit();
+    this.chart.onSelect = (mark, order) => this.select(this.chosen(mark, order), true);
+    this.table.onShow = (known) => {
+      this.select({ pole: known, known }, true);
+      this.shape?.element.scrollIntoView({ behavior: 'auto', block: 'nearest' });
+    };
     host.append(...this.parts());
-    state.listen((change) => change === 'theme' && this.draw());
+    state.listen((change) => {
+      if (change !== 'theme') return;
+      this.draw();
+      this.shape?.recolour();
+    });
     this.refit();
+    const first = this.choice.poles[0];
+    if (first) this.select({ pole: first, known: first }, false);
     this.offerHook();
   }
 
   private parts(): Node[] {
     const { data } = this;
-    const output = select('Output', data.outputs, 'measured-output', (k) => {
+    const output = select('Output', data.outputs.map(({ name }) => name), (k) => {
       this.output = k;
       this.drawResponse();
-    });
-    const input = select('from input', data.inputs, 'measured-input', (k) => {
+    }, 'measured-output');
+    const input = select('from input', data.inputs.map(({ name }) => name), (k) => {
       this.input = k;
       this.drawResponse();
-    });
+    }, 'measured-input');
     return [
       html('p', {}, `${data.records.join(', ')}: ${data.measured}; ${data.frame}.`),
       ...data.warnings.map((text) => html('p', { class: 'note' }, `Warning: ${text}`)),
       html('h3', {}, 'Stabilisation'),
-      this.chart.element,
-      this.keys,
-      this.byHand(),
+      html(
+        'div',
+        { class: 'stabilisation' },
+        html('div', { class: 'stabilisation-part' }, this.chart.element, this.keys, this.byHand()),
+        this.shape?.element,
+      ),
       html('h3', {}, 'Modes'),
       this.table.element,
       this.error,
       html('h3', {}, 'Response and fit'),
-      html('div', { class: 'controls' }, html('div', { class: 'row' }, output.element, input.element)),
+      controlRow(output, input),
       this.plots.element,
       html('p', { class: 'note' }, this.fitNote()),
       ...(data.modes.length > 0 ? [html('h3', {}, 'MAC of the shapes'), this.macHost] : []),
@@ -123,32 +152,101 @@ class IdentificationSection {
       'data-control': 'hand-frequency',
       value: Number(this.data.band_hz[0].toPrecision(3)),
     });
-    const toggle = () => {
+    const nearest = (): ChartPole | undefined => {
       const poles = this.data.stabilisation.find((n) => n.order === Number(order.value))?.poles ?? [];
       const wanted = Number(frequency.value);
-      const nearest = poles
+      return poles
         .filter((pole) => pole.stable)
         .sort((a, b) => Math.abs(a.frequency_hz - wanted) - Math.abs(b.frequency_hz - wanted))[0];
-      if (nearest) this.choice.toggle(nearest, Number(order.value));
     };
-    return html(
-      'div',
-      { class: 'controls' },
-      html(
-        'div',
-        { class: 'row' },
-        html('label', { for: order.id }, 'Pole of order'),
-        order,
-        html('label', { for: frequency.id }, 'closest to Hz'),
-        frequency,
-        button('Switch', toggle, { 'data-control': 'hand-switch' }),
-        button('Reset', () => this.choice.reset(), { 'data-control': 'as-found' }),
-      ),
+    const show = () => {
+      const mark = nearest();
+      if (mark) this.select(this.chosen(mark, Number(order.value)), true);
+    };
+    const toggle = () => {
+      const mark = nearest();
+      if (mark) this.choice.toggle(mark, Number(order.value));
+    };
+    return controlRow(
+      html('label', { for: order.id }, 'Pole of order'),
+      order,
+      html('label', { for: frequency.id }, 'closest to Hz'),
+      frequency,
+      button('Show shape', show, { 'data-control': 'hand-show' }),
+      button('Switch', toggle, { 'data-control': 'hand-switch' }),
+      button('Reset', () => this.choice.reset(), { 'data-control': 'as-found' }),
     );
+  }
+
+  /** A mark of the chart: the mode that it belongs to, or itself. */
+  private chosen(mark: ChartPole, order: number): Selected {
+    const known = this.choice.of(mark);
+    return { pole: known ?? mark, ...(known ? { known } : {}), mark, order };
+  }
+
+  private select(selected: Selected, moving: boolean): void {
+    this.selected = selected;
+    this.chart.select(selected.mark ?? null);
+    this.nameSwitch();
+    this.shape?.show(this.shownShape(selected), moving);
+  }
+
+  private nameSwitch(): void {
+    const known = this.selected?.mark ? this.choice.of(this.selected.mark) : this.selected?.known;
+    this.switchButton.textContent = !known ? 'Add to the fit' : known.on ? 'Switch off' : 'Switch on';
+  }
+
+  private switchSelected(): void {
+    const { known, mark, order } = this.selected ?? {};
+    if (mark && order !== undefined) this.choice.toggle(mark, order);
+    else if (known && (known.kind !== 'hand' || known.on)) this.choice.set(known, !known.on);
+  }
+
+  /** Of a mode as the program found it; of another pole of the chart from the fit on this page. */
+  private shownShape(selected: Selected): ShownShape {
+    const { pole, known } = selected;
+    const { outputs, modes, comparison } = this.data;
+    const number = known?.kind === 'mode' ? known.number : null;
+    const mode = number === null ? null : modes[number - 1];
+    const partner = comparison?.pairs.find((p) => p.mode === number)?.model;
+    return {
+      name: `${poleName(selected)}, ${hertz(pole.frequency_hz)} Hz`,
+      caption: number === null ? poleCaption(selected) : this.modeCaption(number),
+      motion: platformMotion(outputs, mode ? mode.displacement_shape : this.fittedShape(pole, known)),
+      model: partner?.motion
+        ? { name: `${partner.label}, ${hertz(partner.frequency_hz)} Hz`, motion: partner.motion }
+        : null,
+    };
+  }
+
+  private modeCaption(number: number): string {
+    const mode = this.data.modes[number - 1];
+    const pair = this.data.comparison?.pairs.find((p) => p.mode === number);
+    const own =
+      `Mode ${number}: ${mode.motion}. Damping ratio ${fixed(100 * mode.damping_ratio, 2)} ± ` +
+      `${significant(100 * mode.damping_95, 2)} %, MPC ${fixed(mode.mpc, 3)}.`;
+    if (!pair) return own;
+    const mac = pair.mac === null ? '' : `, MAC ${fixed(pair.mac, 3)}`;
+    return (
+      `${own} Model: ${pair.model.label}; the measured frequency is ` +
+      `${signedPercent(pair.frequency_difference_percent)} relative to it${mac}.`
+    );
+  }
+
+  private fittedShape(pole: Pole, known: ChosenPole | undefined): Vector {
+    const heavy = known?.kind === 'heavy' ? this.data.heavily_damped[known.number - 1] : null;
+    const at = known ? this.choice.active.indexOf(known) : -1;
+    const shape = heavy
+      ? heavy.shape.re.map((re, o) => ({ re, im: heavy.shape.im[o] }))
+      : at >= 0
+        ? this.fit.shapes[at]
+        : this.fitter.fit([...this.choice.active, pole]).shapes[this.choice.active.length];
+    return displacementOf(this.data.outputs, pole.pole, shape);
   }
 
   private refit(): void {
     this.fit = this.fitter.fit(this.choice.active);
+    this.nameSwitch();
     this.draw();
   }
 
@@ -211,6 +309,12 @@ class IdentificationSection {
       shapes: () => this.fit.shapes,
       fitted: (output, input) => this.fit.synthesis(output, input),
       responseAt: (output, input, frequency) => this.fit.at(output, input, frequency),
+      shape: {
+        jointPositions: (leg, side = 'measured') => this.shape?.jointPositions(leg, side) ?? null,
+        motion: () => this.shape?.motion() ?? null,
+        setPhase: (phase) => this.shape?.setPhase(phase),
+        frames: () => this.shape?.frames() ?? 0,
+      },
     };
   }
 }

@@ -5,9 +5,9 @@ import { repeated } from '../document';
 import { button, checkbox, html, slider } from '../dom';
 import { fixed, hertz, signedPercent } from '../numbers';
 import { comparable, Player } from '../scene/player';
-import { SvgView } from '../scene/svg_view';
+import { anyView } from '../scene/any_view';
+import { amplitudeSlider, cameraButtons, playButton, setVisible, viewportHead } from '../scene/controls';
 import type { View } from '../scene/view';
-import { WebglView } from '../scene/webgl_view';
 import type { State } from '../state';
 import type { Section } from './section';
 
@@ -18,18 +18,9 @@ export const mechanism: Section = {
   render,
 };
 
-function makeView(onChange: () => void): { view: View; note: string } {
-  try {
-    return { view: new WebglView(onChange), note: '' };
-  } catch {
-    const note = 'This browser has no WebGL. The drawing is flat.';
-    return { view: new SvgView(), note };
-  }
-}
-
 function render(state: State, host: HTMLElement): void {
   let player: Player | null = null;
-  const { view, note } = makeView(() => player?.refresh());
+  const view = anyView(() => player?.refresh());
   player = new Player(view);
   const calm = matchMedia('(prefers-reduced-motion: reduce)').matches;
   player.playing = !calm;
@@ -38,7 +29,8 @@ function render(state: State, host: HTMLElement): void {
   const caption = html('p', { class: 'caption', 'aria-live': 'polite' });
   const stage = html('div', { class: 'stage' }, heads, view.element);
   host.append(stage, controls(player, view, state), caption);
-  if (note) host.append(html('p', { class: 'note', role: 'note' }, note));
+  if (view.kind === 'svg')
+    host.append(html('p', { class: 'note', role: 'note' }, 'This browser has no WebGL. The drawing is flat.'));
   host.append(legendOfParts(state.pose));
 
   const show = () => {
@@ -67,9 +59,7 @@ function render(state: State, host: HTMLElement): void {
 
 function watchVisibility(view: View, player: Player): void {
   new IntersectionObserver((entries) => {
-    player.visible = entries.some((entry) => entry.isIntersecting);
-    // what stands still was drawn when it changed
-    if (player.visible && player.playing) player.refresh();
+    setVisible(player, entries.some((entry) => entry.isIntersecting));
   }).observe(view.element);
 }
 
@@ -87,21 +77,13 @@ const numberAndFrequency = (mode: Mode): string =>
   `mode ${mode.number}, ${mode.stable ? `${hertz(mode.frequency_hz)} Hz` : 'unstable'}`;
 
 function viewportHeads(pose: PoseReport, mode: Mode): HTMLElement[] {
-  const title = (kind: string, name: string, text: string) =>
-    html(
-      'div',
-      { class: `viewport-head ${kind}` },
-      html('strong', {}, name),
-      ' ',
-      html('span', {}, text),
-    );
-  if (pose.model === 'rigid') return [title('rigid', 'Rigid legs', numberAndFrequency(mode))];
-  const flexible = title('flexible', 'Flexible legs', numberAndFrequency(mode));
+  if (pose.model === 'rigid') return [viewportHead('rigid', 'Rigid legs', numberAndFrequency(mode))];
+  const flexible = viewportHead('flexible', 'Flexible legs', numberAndFrequency(mode));
   const counterpart = mode.rigid && pose.rigid_modes[mode.rigid.mode - 1];
   const rigid =
     counterpart && mode.rigid && mode.rigid.mac >= comparable
-      ? title('rigid', 'Rigid legs', numberAndFrequency(counterpart))
-      : title('rigid', 'Rigid legs', 'at rest: no similar mode');
+      ? viewportHead('rigid', 'Rigid legs', numberAndFrequency(counterpart))
+      : viewportHead('rigid', 'Rigid legs', 'at rest: no similar mode');
   return [flexible, rigid];
 }
 
@@ -148,28 +130,8 @@ function modeStepper(state: State): HTMLElement {
 }
 
 function controls(player: Player, view: View, state: State): HTMLElement {
-  const play = button('Pause', () => toggle(!player.playing), {
-    class: 'primary',
-    'data-control': 'play',
-  });
-  const toggle = (playing: boolean) => player.setPlaying(playing);
-  player.onPlaying = (playing) => (play.textContent = playing ? 'Pause' : 'Play');
-  player.onPlaying(player.playing);
-  const turn = (azimuth: number, elevation: number, zoom: number) => () => {
-    view.orbit(azimuth, elevation, zoom);
-    player.refresh();
-  };
-  const angle = Math.PI / 12;
-  const camera = html(
-    'div',
-    { class: 'group', role: 'group', 'aria-label': 'View' },
-    button('←', turn(-angle, 0, 1), { 'aria-label': 'Turn left' }),
-    button('→', turn(angle, 0, 1), { 'aria-label': 'Turn right' }),
-    button('↑', turn(0, angle, 1), { 'aria-label': 'View from higher up' }),
-    button('↓', turn(0, -angle, 1), { 'aria-label': 'View from lower down' }),
-    button('+', turn(0, 0, 1.2), { 'aria-label': 'Zoom in' }),
-    button('−', turn(0, 0, 1 / 1.2), { 'aria-label': 'Zoom out' }),
-  );
+  const play = playButton(player, 'play', 'primary');
+  const camera = cameraButtons(view, () => player.refresh());
   const sliders = motionSliders(player);
   const reset = button(
     'Reset',
@@ -180,7 +142,7 @@ function controls(player: Player, view: View, state: State): HTMLElement {
         input.dispatchEvent(new Event('input'));
       }
       player.phase = 0;
-      toggle(true);
+      player.setPlaying(true);
     },
     { 'data-control': 'reset' },
   );
@@ -202,16 +164,7 @@ function labelsBox(view: View, player: Player): HTMLElement {
 
 function motionSliders(player: Player) {
   const made = [
-    slider(
-      'Amplitude',
-      { min: 0, max: 30, step: 0.5, value: 100 * player.relativeAmplitude },
-      (value) => `${fixed(value, 1)} % of size`,
-      (value) => {
-        player.relativeAmplitude = value / 100;
-        player.reshape();
-      },
-      'amplitude',
-    ),
+    amplitudeSlider(player, 'amplitude'),
     slider(
       'Speed',
       { min: 0.1, max: 2, step: 0.1, value: player.speed },
@@ -240,16 +193,21 @@ function legendOfParts(pose: PoseReport): HTMLElement {
     : 'All lengths to scale. The machine file states no diameters; usual diameters are drawn.';
   const item = (kind: string, text: string) =>
     html('li', {}, html('i', { class: `swatch swatch-${kind}` }), text);
+  const legs = pose.geometry.legs.every((leg) => leg.strut)
+    ? [item('rod', 'struts'), item('sleeve', 'mass centre')]
+    : [
+        item('case', 'case'),
+        item('rod', 'rod'),
+        item('sleeve', 'guide sleeve, mass centre'),
+        item('piston', 'piston'),
+      ];
   return html(
     'div',
     { class: 'legend-line' },
     html(
       'ul',
       { class: 'legend' },
-      item('case', 'case'),
-      item('rod', 'rod'),
-      item('sleeve', 'guide sleeve, mass centre'),
-      item('piston', 'piston'),
+      ...legs,
       item('gimbal', 'gimbals'),
       item('ghost', 'at rest'),
     ),

@@ -6,6 +6,7 @@ import { folded, repeated } from '../document';
 import { button, html, unseen } from '../dom';
 import { fixed, hertz, signedPercent } from '../numbers';
 import type { State } from '../state';
+import { scroller } from '../table';
 import type { Section } from './section';
 
 export const modes: Section = {
@@ -118,13 +119,7 @@ class ModeTable {
       'Modes: the number of a mode shows its motion; column heads sort.',
     );
     const table = html('table', { class: 'modes' }, caption, this.head, this.body);
-    host.append(
-      html(
-        'div',
-        { class: 'scroller', tabindex: 0, role: 'region', 'aria-label': 'Mode table' },
-        table,
-      ),
-    );
+    host.append(scroller('Mode table', table));
     state.listen((change) =>
       change === 'mode'
         ? this.markChosen()

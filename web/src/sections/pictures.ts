@@ -4,7 +4,7 @@ import { energyParts, inWords, motionParts } from '../bars';
 import type { Mode, PoseReport } from '../document';
 import { pictured } from '../document';
 import { html } from '../dom';
-import { largest, pointsAt, shapeOf, sizeOf } from '../mechanics/motion';
+import { largest, pointsAt, shapeOf, sizeOf } from '../scene/motion';
 import { hertz, signedPercent } from '../numbers';
 import { light } from '../palette';
 import { drawing } from '../scene/drawing';

@@ -6,6 +6,7 @@ import type { State } from '../state';
 import { about } from './about';
 import { bode } from './bode';
 import { check } from './check';
+import { comparison } from './comparison';
 import { diagnosis } from './diagnosis';
 import { header } from './header';
 import { identification } from './identification';
@@ -22,6 +23,7 @@ import { workspace } from './workspace';
 export const sections: Section[] = [
   studio,
   diagnosis,
+  comparison,
   mechanism,
   modes,
   pictures,

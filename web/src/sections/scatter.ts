@@ -5,11 +5,12 @@ import { assignments, shellCommand } from '../core/edits';
 import { beginWhenSeen, failureText, idle, sharedCore } from '../core/shared';
 import type { Editable } from '../document';
 import { button, html, identifier } from '../dom';
-import { fixed } from '../numbers';
+import { fixed, significant } from '../numbers';
 import { describe, histogram } from '../scatter/distribution';
 import type { State } from '../state';
 import { displacementOf } from '../workspace/displacement';
 import { poseText, quantities } from '../workspace/quantities';
+import { scroller, tableHead } from '../table';
 import type { Section } from './section';
 
 export const scatter: Section = {
@@ -58,7 +59,7 @@ class Scatter {
   private readonly list = html('ul', { class: 'scatter-list', 'aria-label': 'Parameters that vary' });
   private readonly count = html('p', { class: 'note', 'aria-live': 'polite' });
   private readonly picture = html('div', {});
-  private readonly table = html('div', { class: 'scroller', tabindex: 0, role: 'region', 'aria-label': 'Distribution' });
+  private readonly table = scroller('Distribution');
   private readonly verdict = html('p', {});
   private readonly commandLine = html('pre', { class: 'what-if-command', tabindex: 0, role: 'region', 'aria-label': 'Command of the samples' });
 
@@ -228,8 +229,8 @@ class Scatter {
       : [];
     this.table.replaceChildren(
       html('table', { class: 'scatter-numbers' },
-        html('thead', {}, html('tr', {}, ...cells.map(([name]) => html('th', { scope: 'col' }, name)))),
-        html('tbody', {}, html('tr', {}, ...cells.map(([, value]) => html('td', {}, `${String(Number(value.toPrecision(5))).replace('-', '−')} ${quantity.unit}`))))),
+        tableHead(...cells.map(([name]): [string] => [name])),
+        html('tbody', {}, html('tr', {}, ...cells.map(([, value]) => html('td', {}, `${significant(value, 5)} ${quantity.unit}`))))),
     );
     this.showVerdict();
   }

@@ -6,6 +6,7 @@ import { beginWhenSeen, failureText, sharedCore, touch } from '../core/shared';
 import { directions, type Editable, type PoseReport } from '../document';
 import { button, html } from '../dom';
 import type { State } from '../state';
+import { scroller } from '../table';
 import { ParameterList } from '../whatif/list';
 import { bucklingText, magnitudes, resultTable, SmallBode, type Curve } from '../whatif/results';
 import type { Section } from './section';
@@ -48,7 +49,7 @@ class WhatIf {
 
   private readonly parameters = html('div', { class: 'what-if-parameters' }, html('p', { class: 'note' }, 'The core is starting …'));
   private readonly state_ = html('p', { class: 'what-if-state', 'aria-live': 'polite' });
-  private readonly table = html('div', { class: 'scroller', tabindex: 0, role: 'region', 'aria-label': 'Results' });
+  private readonly table = scroller('Results');
   private readonly buckling = html('p', { class: 'note' });
   private readonly plot = new SmallBode();
   private readonly commandLine = html('pre', { class: 'what-if-command', tabindex: 0, role: 'region', 'aria-label': 'Command of B' });

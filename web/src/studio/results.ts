@@ -1,6 +1,7 @@
 // Results that have no section of their own: what a job found, with its picture.
 
 import { button, download, html } from '../dom';
+import { scroller, tableHead } from '../table';
 import type { Client, WholeJob } from './client';
 
 interface Fitted {
@@ -43,14 +44,13 @@ const plain = (value: number | null | undefined): string =>
   value === null || value === undefined ? '' : Number(value.toPrecision(5)).toString();
 
 function table(caption: string, titles: string[], rows: string[][]): HTMLElement {
-  return html(
-    'div',
-    { class: 'scroller', tabindex: 0, role: 'region', 'aria-label': caption },
+  return scroller(
+    caption,
     html(
       'table',
       { class: 'numbers-table' },
       html('caption', {}, caption),
-      html('thead', {}, html('tr', {}, ...titles.map((title) => html('th', { scope: 'col' }, title)))),
+      tableHead(...titles.map((title): [string] => [title])),
       html(
         'tbody',
         {},

@@ -3,6 +3,7 @@
 import { map, mapStatus } from '../core/core';
 import { directions } from '../document';
 import { html, svg } from '../dom';
+import { significant } from '../numbers';
 import { contour, niceLevels } from './contour';
 import { finest, type Field } from './field';
 import { displacementText, unitOf, type Quantity } from './quantities';
@@ -47,7 +48,7 @@ interface Scale {
   cutAbove: boolean;
 }
 
-const plain = (value: number): string => String(Number(value.toPrecision(4))).replace('-', '−');
+const plain = (value: number): string => significant(value, 4);
 
 export class HeatMap {
   private readonly cells = svg('g', { class: 'cells' });

@@ -15,13 +15,3 @@ export const cross = (a: Vector, b: Vector): Vector => [
 ];
 /** a + s b */
 export const along = (a: Vector, s: number, b: Vector): Vector => add(a, scale(s, b));
-
-/** x with x₁ c₁ + x₂ c₂ + x₃ c₃ = right (Cramer). */
-export function solveColumns(c1: Vector, c2: Vector, c3: Vector, right: Vector): Vector {
-  const determinant = dot(c1, cross(c2, c3));
-  return [
-    dot(right, cross(c2, c3)) / determinant,
-    dot(c1, cross(right, c3)) / determinant,
-    dot(c1, cross(c2, right)) / determinant,
-  ];
-}

@@ -2,9 +2,8 @@
 // platform is a rigid body, and the legs are drawn straight between their joints.
 
 import type { Geometry, Vector } from '../document';
-import { restPoints, straightLeg } from './leg';
 import type { MachinePoints } from './motion';
-import { add, subtract } from './vector';
+import { add, along, subtract, unit } from './vector';
 
 type Rotation = [Vector, Vector, Vector];
 
@@ -28,9 +27,12 @@ export function movedMachine(geometry: Geometry, shift: Vector, angles: Vector):
   const R = rotationOf(angles);
   const moved = (p: Vector): Vector => add(add(origin, shift), turned(R, subtract(p, origin)));
   const legs = geometry.legs.map((leg) => {
+    const base = leg.base_joint_m;
     const joint = moved(leg.platform_joint_m);
-    const length_m = Math.hypot(...subtract(joint, leg.base_joint_m));
-    return restPoints(straightLeg({ ...leg, platform_joint_m: joint, length_m }));
+    if (leg.strut) return { base, sleeve: base, piston: base, rodAtSleeve: base, joint };
+    const n = unit(subtract(joint, base));
+    const sleeve = along(base, leg.L_g, n);
+    return { base, sleeve, piston: along(joint, -leg.l_mn, n), rodAtSleeve: sleeve, joint };
   });
   return { legs, center, displacement: subtract(moved(center), center), rotation: angles };
 }

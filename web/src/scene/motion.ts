@@ -4,9 +4,29 @@
 // first order, so a point's displacement is that of its real and imaginary parts, mixed in the same
 // way. Complex modes therefore keep their phases: not all parts turn back at the same time.
 
-import type { Geometry, Leg, Mode, PoseReport, Vector } from '../document';
-import { legMotion, restPoints, straightLeg, type Flexible, type LegPoints } from './leg';
+import { directions, type DrawnLeg, type DrawnPoint, type Geometry, type Leg, type Mode, type Vector } from '../document';
 import { add, cross, norm, scale, subtract } from './vector';
+
+/** Points of a leg, at rest [m] or as a displacement. */
+export interface LegPoints {
+  base: Vector;
+  /** Guide sleeve on the case's axis. */
+  sleeve: Vector;
+  piston: Vector;
+  /** Rod where it passes the guide sleeve. */
+  rodAtSleeve: Vector;
+  /** Platform joint. */
+  joint: Vector;
+}
+
+/** Of a mode of a model, or of one that was measured. */
+export type ModeShape = Pick<Mode, 'shape' | 'shape_imaginary'>;
+
+/** A machine at rest with the names of its coordinates. */
+export interface AtRest {
+  geometry: Geometry;
+  coordinates: string[];
+}
 
 export interface MachinePoints {
   legs: LegPoints[];
@@ -18,7 +38,7 @@ export interface MachinePoints {
 
 /** A mode shape as displacements of points, per unit amplitude. */
 export interface Shape {
-  legs: Leg[];
+  rest: LegPoints[];
   center: Vector;
   real: MachinePoints;
   imaginary: MachinePoints | null;
@@ -26,7 +46,7 @@ export interface Shape {
 
 const keys = ['base', 'sleeve', 'piston', 'rodAtSleeve', 'joint'] as const;
 
-const baseNames = ['x', 'y', 'z', 'rx', 'ry', 'rz'].map((name) => `base.${name}`);
+const baseNames = directions.map((name) => `base.${name}`);
 
 /** Motion of the base at the origin of its frame: the last of the coordinates, where it has any. */
 function baseMotion(coordinates: string[], y: number[]): { shift: Vector; turn: Vector } {
@@ -38,45 +58,49 @@ function baseMotion(coordinates: string[], y: number[]): { shift: Vector; turn: 
   return { shift: all.slice(0, 3) as Vector, turn: all.slice(3, 6) as Vector };
 }
 
-function displacements(pose: PoseReport, legs: Leg[], y: number[], perLeg: number, tilt: number) {
+/** The leg with `flexible` coordinates: bent, or with none the straight one in its place. */
+const drawnLeg = (leg: Leg, flexible: number): DrawnLeg => (flexible > 0 && leg.bent) || leg.straight;
+
+function restPoints(leg: Leg, flexible: number): LegPoints {
+  const { sleeve, piston, rod_at_sleeve: rod } = drawnLeg(leg, flexible);
+  return { base: leg.base_joint_m, sleeve: sleeve.at_m, piston: piston.at_m, rodAtSleeve: rod.at_m, joint: leg.platform_joint_m };
+}
+
+function displacements(pose: AtRest, y: number[], flexible: number, tilt: number): MachinePoints {
   const center = pose.geometry.platform.mass_center_m;
   const displacement = y.slice(0, 3) as Vector;
   const rotation = y.slice(3, 6) as Vector;
   const base = baseMotion(pose.coordinates, y);
-  const motions = legs.map((leg, i) => {
+  const carried = (point: Vector): Vector => add(base.shift, cross(base.turn, point));
+  const legs = pose.geometry.legs.map((leg, i) => {
     const joint = add(displacement, cross(rotation, subtract(leg.platform_joint_m, center)));
-    const own = y.slice(6 + i * perLeg, 6 + (i + 1) * perLeg).map((value) => tilt * value);
-    const carried = (point: Vector): Vector => add(base.shift, cross(base.turn, point));
-    const against = subtract(joint, carried(leg.platform_joint_m));
-    const motion = legMotion(leg, against, [0, 1, 2, 3].map((k) => own[k] ?? 0) as Flexible);
-    const rest = restPoints(leg);
-    for (const key of keys) motion[key] = add(motion[key], carried(rest[key]));
-    return motion;
+    const own = y.slice(6 + i * flexible, 6 + (i + 1) * flexible).map((value) => tilt * value);
+    const x = [...subtract(joint, carried(leg.platform_joint_m)), ...own];
+    const moved = (point: DrawnPoint): Vector =>
+      add(carried(point.at_m), point.motion.map((row) => row.reduce((sum, value, k) => sum + value * x[k], 0)) as Vector);
+    const { sleeve, piston, rod_at_sleeve: rod } = drawnLeg(leg, flexible);
+    return { base: carried(leg.base_joint_m), sleeve: moved(sleeve), piston: moved(piston), rodAtSleeve: moved(rod), joint };
   });
-  return { legs: motions, center, displacement, rotation };
+  return { legs, center, displacement, rotation };
 }
 
 /** The shape of `mode`; `tilt`: factor on rod tilt and piston offset, to make small ones visible. */
-export function shapeOf(pose: PoseReport, mode: Mode, tilt = 1): Shape {
-  const ofBase = pose.coordinates.filter((name) => baseNames.includes(name)).length;
-  const perLeg = (mode.shape.length - 6 - ofBase) / 6;
-  const { geometry } = pose;
-  const legs = perLeg === 0 ? geometry.legs.map(straightLeg) : geometry.legs;
-  const part = (y: number[]) => displacements(pose, legs, y, perLeg, tilt);
+export function shapeOf(pose: AtRest, mode: ModeShape, tilt = 1): Shape {
+  const beyondLegs = pose.coordinates.filter((name) => /^(base|payload)\./.test(name)).length;
+  const flexible = (mode.shape.length - 6 - beyondLegs) / 6;
+  const part = (y: number[]) => displacements(pose, y, flexible, tilt);
   return {
-    legs,
-    center: geometry.platform.mass_center_m,
+    rest: pose.geometry.legs.map((leg) => restPoints(leg, flexible)),
+    center: pose.geometry.platform.mass_center_m,
     real: part(mode.shape),
     imaginary: mode.shape_imaginary ? part(mode.shape_imaginary) : null,
   };
 }
 
 /** No motion: what stands beside a mode without rigid counterpart. */
-export function restShape(pose: PoseReport): Shape {
-  const some = pose.rigid_modes[0] as Mode;
-  const zero = { ...some, shape: some.shape.map(() => 0) };
-  delete zero.shape_imaginary;
-  return shapeOf(pose, zero);
+export function restShape(pose: AtRest & { rigid_modes: ModeShape[] }): Shape {
+  const some = pose.rigid_modes[0] as ModeShape;
+  return shapeOf(pose, { shape: some.shape.map(() => 0) });
 }
 
 /** Points at `phase`, with the shape multiplied by `amplitude`. */
@@ -90,8 +114,7 @@ export function pointsAt(shape: Shape, amplitude: number, phase: number): Machin
     center: shape.center,
     displacement: mix(real.displacement, imaginary?.displacement),
     rotation: mix(real.rotation, imaginary?.rotation),
-    legs: shape.legs.map((leg, i) => {
-      const rest = restPoints(leg);
+    legs: shape.rest.map((rest, i) => {
       const moved = { ...rest };
       for (const key of keys)
         moved[key] = add(
