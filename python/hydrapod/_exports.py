@@ -8,7 +8,8 @@ from typing import Any, List, NamedTuple, Optional, Sequence
 from . import _core
 from ._core import MachineStateSpace, Superelement
 from ._machine import Machine, Quantity
-from ._tasks import Path, Texts, _core_of, _list, _options
+from ._records import Path
+from ._tasks import Texts, _core_of, _list, _options
 
 _formats = {"mat": "mat", "npz": "npz", "json": "json", "h5": "hdf5", "hdf5": "hdf5", "uff": "uff", "unv": "uff",
             "mtx": "mtx", "pch": "dmig", "xml": "mjcf", "mjcf": "mjcf", "sdf": "sdf", "urdf": "urdf"}

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import os
-from typing import Any, List, Optional, Sequence, Union
+import shutil
+import tempfile
+from contextlib import contextmanager
+from typing import Any, Iterator, List, Optional, Sequence, Union
 
 import numpy as np
 
@@ -135,3 +138,35 @@ def read_record(path: Union[str, "os.PathLike[str]"], *, rate: Optional[float] =
     name = os.fspath(path)
     core, warnings = _core.read_record(name, rate)
     return Record._of(core, warnings, name)
+
+
+Path = Union[str, "os.PathLike[str]"]
+Measured = Union[Path, Record, Sequence[Union[Path, Record]]]
+
+
+def _folder_for(size: int) -> Optional[str]:
+    """Where temporary files of so many bytes are written: in memory, where there is enough of it."""
+    memory = "/dev/shm"
+    try:
+        enough = os.access(memory, os.W_OK) and shutil.disk_usage(memory).free > 4 * size
+    except OSError:
+        return None
+    return memory if enough else None
+
+
+@contextmanager
+def files_of(measured: Measured) -> Iterator[List[str]]:
+    """Paths of what was measured; records in memory are in files of their own for the time of a task."""
+    single = isinstance(measured, (str, os.PathLike, Record))
+    items: List[Any] = [measured] if single else list(measured)  # type: ignore[arg-type]
+    size = sum(item.samples.nbytes for item in items if isinstance(item, Record))
+    with tempfile.TemporaryDirectory(prefix="hydrapod-", dir=_folder_for(size)) as folder:
+        paths = []
+        for number, item in enumerate(items):
+            if isinstance(item, Record):
+                path = os.path.join(folder, f"record-{number + 1}.mat")
+                item.write(path)
+                paths.append(path)
+            else:
+                paths.append(os.fspath(item))
+        yield paths

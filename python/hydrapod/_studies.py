@@ -11,7 +11,8 @@ import numpy as np
 from . import _core
 from ._core import Design, Study
 from ._machine import Machine
-from ._tasks import Path, Progress, Texts, _core_of, _list, _options
+from ._records import Path
+from ._tasks import Progress, Texts, _core_of, _list, _options
 
 Over = Mapping[str, Any]
 Outputs = Mapping[str, Callable[[Machine], float]]

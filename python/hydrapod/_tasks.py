@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import os
 import tempfile
-from contextlib import contextmanager
-from typing import Any, Callable, Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
@@ -29,11 +28,9 @@ from ._core import (
 )
 from ._errors import ComputationError
 from ._machine import Machine, Quantity, _toml
-from ._records import Record
+from ._records import Measured, Path, Record, files_of
 
 Progress = Callable[[float], Optional[bool]]
-Path = Union[str, "os.PathLike[str]"]
-Measured = Union[Path, Record, Sequence[Union[Path, Record]]]
 Texts = Union[str, Sequence[str]]
 
 _show.attach()
@@ -51,23 +48,6 @@ def _list(texts: Texts) -> List[str]:
 
 def _options(**options: Any) -> Dict[str, Any]:
     return {key: value for key, value in options.items() if value is not None}
-
-
-@contextmanager
-def _files(measured: Measured) -> Iterator[List[str]]:
-    """Paths of what was measured; records in memory are in files of their own for the time of a task."""
-    single = isinstance(measured, (str, os.PathLike, Record))
-    items: List[Any] = [measured] if single else list(measured)  # type: ignore[arg-type]
-    with tempfile.TemporaryDirectory(prefix="hydrapod-") as folder:
-        paths = []
-        for number, item in enumerate(items):
-            if isinstance(item, Record):
-                path = os.path.join(folder, f"record-{number + 1}.mat")
-                item.write(path)
-                paths.append(path)
-            else:
-                paths.append(os.fspath(item))
-        yield paths
 
 
 # --- the machine near rest ------------------------------------------------------------------------
@@ -163,7 +143,7 @@ def frequencies(machine: Machine, designs: Mapping[str, Any], *, threads: int = 
 
     designs: {PATH: values in SI}; arrays of one length, or numbers that hold for all. A design that does not
     stand at the pose has NaN. Values are not checked for being sensible: check the extremes with with_().
-    Designs of an array are computed in SIMD lanes: they are those of single ones to 1e-12 (1e-11 under gravity).
+    Arrays are computed in SIMD lanes: as single ones to 1e-12 (gravity 1e-11, nearly rigid sleeves 5e-11).
     """
     core = _core_of(machine)
     if not designs:
@@ -192,12 +172,14 @@ def simulate(machine: Machine, commands: Texts = (), *, wrench: Texts = (), init
     commands: "step z=5 mm", "sine ry=2 deg, frequency=1 Hz", … (hydrapod simulate --help); they add up.
     wrench: force and moment about the mass centre, "sine x=500 N, frequency=4 Hz".
     initial: displacement from the pose at which the platform is released, "x=1 mm, ry=0.1 deg".
-    actuators: "controlled"; "held", valves that stay as at rest; "springs", mechanics alone on oil springs.
+    actuators: "controlled"; "held", valves that stay as at rest, or motors held at the speed 0; "springs",
+    mechanics alone on oil springs, or with held motors.
     record: file to write (.h5, .mat, .csv, .uff). A run that ends early has everything up to there: see
     finished and message.
 
     Result, N samples: time [s] (N,), command and motion [m, rad] (N, 6), piston [m], drive, cap_pressure,
-    rod_pressure [Pa] (N, 6), rms_error, peak_error (6,), record, warnings.
+    rod_pressure [Pa] (N, 6), rms_error, peak_error (6,), record, warnings. Of electric cylinders nut [m],
+    motor_speed [rad/s], torque [N m] (N, 6), and no pressures.
     """
     return _core.simulate(_core_of(machine), _options(
         commands=_list(commands), wrench=_list(wrench), initial=initial, actuators=actuators, until=until,
@@ -221,6 +203,7 @@ def rig(machine: Machine, record: Optional[Path] = None, *, excite: Texts = (), 
         rate: Optional[Quantity] = None, oversampling: int = 2, seed: int = 1, repeat: int = 1,
         accelerometers: Optional[Sequence[str]] = None, length_sensor: Optional[str] = None,
         pressure_sensor: Optional[str] = None, current_sensor: Optional[str] = None,
+        torque_sensor: Optional[str] = None, speed_sensor: Optional[str] = None,
         drop_outs: Optional[Quantity] = None, anti_alias: bool = True, above_limits: bool = False,
         progress: Optional[Progress] = None) -> RigRun:
     """Simulated test rig: excites the machine in six directions and writes a record.
@@ -233,8 +216,8 @@ def rig(machine: Machine, record: Optional[Path] = None, *, excite: Texts = (), 
         record=None if record is None else os.fspath(record), excite=_list(excite), entry=entry,
         duration=duration, averages=averages, settling=settling, rate=rate, oversampling=oversampling,
         seed=seed, repeat=repeat, accelerometers=accelerometers, length_sensor=length_sensor,
-        pressure_sensor=pressure_sensor, current_sensor=current_sensor, drop_outs=drop_outs,
-        anti_alias=anti_alias, above_limits=above_limits), progress))
+        pressure_sensor=pressure_sensor, current_sensor=current_sensor, torque_sensor=torque_sensor,
+        speed_sensor=speed_sensor, drop_outs=drop_outs, anti_alias=anti_alias, above_limits=above_limits), progress))
 
 
 # --- measurements ---------------------------------------------------------------------------------
@@ -271,7 +254,7 @@ def frf(measured: Measured, *, machine: Union[Machine, Path, None] = None, pose:
     Result, L lines: frequency_hz (L,), H and deviation (L, outputs, inputs), coherence, inputs, outputs,
     warnings.
     """
-    with _files(measured) as files:
+    with files_of(measured) as files:
         return _core.frf(_measure_options(machine, dict(
             files=files, pose=pose, model=model, inputs=inputs, outputs=outputs, instruments=instruments,
             input_from=input_from, estimator=estimator, window=window, block=block, overlap=overlap,
@@ -299,7 +282,7 @@ def identify(measured: Measured, *, machine: Union[Machine, Path, None] = None, 
     L lines: line_frequency_hz (L,), H and deviation (measured), H_modes (of the modes) (L, outputs, inputs),
     mode_indicator: singular values of H (L, k). With 95 % probability H is off by less than radius_95 deviations.
     """
-    with _files(measured) as files:
+    with files_of(measured) as files:
         return _core.identify(_measure_options(machine, {"from": from_, **dict(
             files=files, pose=pose, model=model, to=to, order=order, highest_damping=highest_damping,
             against=against, bootstrap=bootstrap, output_only=output_only, inputs=inputs, outputs=outputs,
@@ -345,23 +328,20 @@ def compare(*things: Union[Machine, Record, Path], overrides: Mapping[str, Any] 
     if model is None and machines:
         model = machines[0].model
     with tempfile.TemporaryDirectory(prefix="hydrapod-") as folder:
-        files = []
+        given: List[Union[Path, Record]] = []
         for number, thing in enumerate(things):
-            if isinstance(thing, Machine):
-                if model is not None and thing.model != model:
-                    raise ValueError(f"model: thing {number + 1} is a machine with the model {thing.model}, not "
-                                     f"{model}; one model holds for all")
-                path = os.path.join(folder, f"machine-{number + 1}.toml")
-                thing.write(path)
-                files.append(path if thing.pose == "neutral" else f"{path}@{thing.pose}")
-            elif isinstance(thing, Record):
-                path = os.path.join(folder, f"record-{number + 1}.mat")
-                thing.write(path)
-                files.append(path)
-            else:
-                files.append(os.fspath(thing))
-        return _core.compare(_options(files=files, overrides=lines, poses=_list(poses), model=model,
-                                      against=against, level=level), progress)
+            if not isinstance(thing, Machine):
+                given.append(thing)
+                continue
+            if model is not None and thing.model != model:
+                raise ValueError(f"model: thing {number + 1} is a machine with the model {thing.model}, not "
+                                 f"{model}; one model holds for all")
+            path = os.path.join(folder, f"machine-{number + 1}.toml")
+            thing.write(path)
+            given.append(path if thing.pose == "neutral" else f"{path}@{thing.pose}")
+        with files_of(given) as files:
+            return _core.compare(_options(files=files, overrides=lines, poses=_list(poses), model=model,
+                                          against=against, level=level), progress)
 
 
 def _diagnosis(files: List[str], options: Dict[str, Any]) -> Dict[str, Any]:
@@ -388,7 +368,7 @@ def diagnose(machine: Machine, measured: Measured = (), *, against: str = "auto"
 
     Result: summary (sentences), finding, hypotheses (best first), bic, warnings; the rest in to_dict().
     """
-    with _files(measured) as files:
+    with files_of(measured) as files:
         return _core.diagnose(_core_of(machine), _diagnosis(files, dict(
             want=want, against=against,
             poses=poses if poses is None or poses == "workspace" else _list(poses), model_error=model_error,
@@ -398,19 +378,21 @@ def diagnose(machine: Machine, measured: Measured = (), *, against: str = "auto"
 
 def report(machine: Machine, path: Optional[Path] = None, *, poses: Texts = (), title: str = "",
            theme: str = "auto", modes: Sequence[int] = (), points: int = 600,
-           commands: Optional[Texts] = None, until: Optional[Quantity] = None,
+           commands: Optional[Texts] = None, until: Optional[Quantity] = None, samples: int = 1500,
            measured: Optional[Measured] = None, diagnose: Optional[Measured] = None,
-           progress: Optional[Progress] = None) -> Report:
+           compare: Optional[Path] = None, progress: Optional[Progress] = None) -> Report:
     """One HTML page with moving modes, Bode diagrams and all numbers; written to `path` if given.
 
-    commands: also simulate. measured: also identify this record. diagnose: also diagnose from this. In a
-    notebook the result shows the page in a frame. Result: html, write(path), to_dict().
+    commands: also simulate; samples: of each quantity of that run. measured: also identify this record.
+    diagnose: also diagnose from this. compare: also show this JSON of `hydrapod compare`. In a notebook the
+    result shows the page in a frame. Result: html, write(path), to_dict().
     """
-    with _files(() if measured is None else measured) as records, \
-            _files(() if diagnose is None else diagnose) as causes:
+    with files_of(() if measured is None else measured) as records, \
+            files_of(() if diagnose is None else diagnose) as causes:
         result = _core.report(_core_of(machine), _options(
             poses=_list(poses), title=title, theme=theme, modes=list(modes), points=points,
-            commands=None if commands is None else _list(commands), until=until,
+            commands=None if commands is None else _list(commands), until=until, samples=samples,
+            comparison=None if compare is None else os.fspath(compare),
             identification={"files": records} if records else None,
             diagnosis=_diagnosis(causes, {}) if causes else None), progress)
     if path is not None:

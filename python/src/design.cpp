@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "hydrapod/base/error.hpp"
-#include "hydrapod/report/study_results.hpp"
+#include "hydrapod/report/model_results.hpp"
 #include "hydrapod/tasks/study.hpp"
 #include "support.hpp"
 

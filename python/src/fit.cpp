@@ -185,7 +185,10 @@ std::shared_ptr<Report> make_report(const Machine& machine, const Options& asked
   if (asked.has("commands")) {
     auto& simulation = options.simulation.emplace();
     simulation.commands = asked.get<Names>("commands");
-    simulation.trace_samples = 1500;
+    const int samples = asked.get("samples", 1500);
+    if (samples < 2 || samples > 100'000)
+      throw std::invalid_argument("samples: expected 2 to 100000");
+    simulation.trace_samples = static_cast<std::size_t>(samples);
     auto& integrator = simulation.loop.integrator;
     integrator.relative_tolerance = integrator.absolute_tolerance = 1e-6;  // as simulate has it
     simulation.until = asked.positive("until", "s");
@@ -195,6 +198,7 @@ std::shared_ptr<Report> make_report(const Machine& machine, const Options& asked
   if (options.identification) options.identification->cross_check = false;
   if (asked.has("diagnosis"))
     options.diagnosis = diagnose_options(machine, Options(asked.get<py::dict>("diagnosis")));
+  options.comparison = asked.get<std::string>("comparison");
   auto result = std::make_shared<Report>();
   result->theme = options.page.theme;
   result->found = at_work(progress, [&](const numerics::Progress& watch) {

@@ -401,14 +401,12 @@ void add_linear(py::module_& module) {
                                for (const auto& one : c.poses) names.push_back(one.pose.name);
                                return names;
                              })
-      .def_property_readonly("sound",
-                             [](const Check& c) {
-                               bool all = true;
-                               for (const auto& one : c.poses) all = all && report::is_sound(one);
-                               return all;
-                             })
-      .def_property_readonly("verdict",
-                             [](const Check& c) { return report::verdict_text(c.poses); })
+      .def_property_readonly(
+          "sound",
+          [](const Check& c) { return report::is_sound(c.poses, c.machine->file.machine); })
+      .def_property_readonly(
+          "verdict",
+          [](const Check& c) { return report::verdict_text(c.poses, c.machine->file.machine); })
       .def_property_readonly(
           "warnings",
           [](const Check& c) {

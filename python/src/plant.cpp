@@ -207,6 +207,9 @@ py::dict outputs(Stepper& stepper) {
   result["cap_pressure"] = legs([](const auto& leg) { return leg.cap_pressure; });
   result["rod_pressure"] = legs([](const auto& leg) { return leg.rod_pressure; });
   result["spool"] = legs([](const auto& leg) { return leg.spool; });
+  result["nut"] = legs([](const auto& leg) { return leg.nut; });
+  result["motor_speed"] = legs([](const auto& leg) { return leg.motor_speed; });
+  result["torque"] = legs([](const auto& leg) { return leg.torque; });
   result["oil_force"] = legs([](const auto& leg) { return leg.oil_force; });
   result["supply_pressure"] = out.supply_pressure;
   return result;

@@ -91,6 +91,8 @@ py::dict run_rig(const Machine& machine, const Options& asked, const py::object&
   sensor("length_sensor", all.length, "m");
   sensor("pressure_sensor", all.pressure, "Pa");
   sensor("current_sensor", all.current, "1");
+  sensor("torque_sensor", all.torque, "N m");
+  sensor("speed_sensor", all.speed, "rad/s");
   all.drop_outs = asked.positive("drop_outs", "Hz").value_or(0.0);
   all.anti_alias = asked.get("anti_alias", true);
   const auto done = at_work(progress, [&](const numerics::Progress& watch) {
@@ -125,6 +127,9 @@ void add_simulation(py::module_& module) {
   trace("drive", &Trace::drive);
   trace("cap_pressure", &Trace::cap_pressure);
   trace("rod_pressure", &Trace::rod_pressure);
+  trace("nut", &Trace::nut);
+  trace("motor_speed", &Trace::motor_speed);
+  trace("torque", &Trace::torque);
   type.def_property_readonly("time",
                              [](const py::object& self) {
                                return view_of(self.cast<const Simulation&>().found.trace.time,

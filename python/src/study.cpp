@@ -2,7 +2,7 @@
 
 #include "hydrapod/tasks/study.hpp"
 #include "hydrapod/base/error.hpp"
-#include "hydrapod/report/study_results.hpp"
+#include "hydrapod/report/model_results.hpp"
 #include "support.hpp"
 
 namespace hydrapod::python {
