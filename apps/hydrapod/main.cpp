@@ -94,11 +94,14 @@ int run(int argc, char** argv) {
     app.exit(success);
     return cli::close_output() ? done : failed;
   } catch (const CLI::ParseError& error) {
-    if (cli::is_said_by_rank_0(argv[1])) return bad_input;
-    return report_parse_error(app, error);
+    if (!cli::is_said_by_rank_0(argv[1])) return report_parse_error(app, error);
+    cli::wait_for_the_rank_that_says_why();
+    return bad_input;
   } catch (const base::InputError& error) {
-    if (cli::is_said_by_rank_0(argv[1])) return bad_input;
-    cli::print_diagnostics(error.diagnostics());
+    if (error.diagnostics().empty() || cli::is_said_by_rank_0(argv[1]))
+      cli::wait_for_the_rank_that_says_why();
+    else
+      cli::print_diagnostics(error.diagnostics());
     return bad_input;
   } catch (const std::bad_alloc&) {
     return say_out_of_memory();

@@ -21,6 +21,11 @@ std::unique_ptr<study::Team> team_of_ranks();
 /// the study `command` is then said by rank 0, which has the same one.
 bool is_said_by_rank_0(std::string_view command);
 
+/// For a rank that ends because of what another rank says: waits until that rank has ended, and
+/// mpirun then ends this one, or for 3 s. An mpirun kills all others when the first one fails: the
+/// message would be lost.
+void wait_for_the_rank_that_says_why();
+
 /// What `work` makes, on each rank. Where it fails on any, it fails on all, and the first of them
 /// says why.
 template <class Work>
