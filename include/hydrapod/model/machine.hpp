@@ -73,6 +73,7 @@ struct Elastomer {
   std::optional<MaxwellArms> arms{};
   double softening{};                ///< share of k that large amplitudes take away, [0, 1)
   double softening_amplitude{1e-4};  ///< [m] at which half of that is gone
+  double softening_time{1.0};        ///< τ [s] in which a simulation takes means of the amplitude
   double pressure_stiffening{};      ///< growth of k per pressure of the oil beside the seal [1/Pa]
 };
 
