@@ -100,9 +100,7 @@ Plant::Plant(const model::Machine& machine, ModelKind kind, const PlantOptions& 
   layout_ = make_layout(mechanics_, options, axes_);
   set_lines();
   set_base(X_reference);
-  set_arms();
-  if (layout_.arms >= 0 && model::has_elastic_legs(machine))
-    bend_arms(mechanics_, X_reference, sleeve_arms_);
+  set_arms(X_reference);
   set_gimbals(X_reference);
   if (!options.hydraulics) set_springs(X_reference);
   if (layout_.nuts >= 0) set_drives();

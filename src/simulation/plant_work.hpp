@@ -9,15 +9,11 @@ namespace hydrapod::simulation {
 using numerics::Lanes;
 
 /// As long as any plant's state, without allocation.
-constexpr int most_states = 2 * dynamics::most_velocities + 1 + 4 * model::leg_count + 1 +
-                            model::leg_count + 12 +
-                            2 * model::leg_count * 2 * model::most_line_segments +
-                            2 * 2 * static_cast<int>(dynamics::arms_per_seal) * model::leg_count;
+constexpr int most_states =
+    2 * dynamics::most_velocities + 1 + 4 * model::leg_count + 1 + model::leg_count + 12 +
+    2 * model::leg_count * 2 * model::most_line_segments +
+    2 * (2 * static_cast<int>(dynamics::arms_per_seal) + 3) * model::leg_count;
 using StateOnStack = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, most_states, 1>;
-
-/// Of guide sleeves in series with rods and cases that bend, at the reference pose.
-void bend_arms(const dynamics::NonlinearModel& mechanics, const Pose& X_reference,
-               std::array<dynamics::SealArms, model::leg_count>& arms);
 
 /// The hydraulics of all legs: constants.
 struct Plant::OilConstants {

@@ -161,6 +161,8 @@ struct GuideEquivalent {
 GuideEquivalent guide_equivalent(const model::GuideSleeve& sleeve, const Vector2& rest,
                                  const Vector2& amplitude);
 
+inline constexpr double softening_exponent = 1.2;  ///< 2m, m = 0.6, found for most filled rubbers
+
 /// What amplitudes leave of an elastomer's stiffness (Payne effect, after Kraus):
 /// 1 − softening r/(1 + r), r = (A / softening_amplitude)^1.2.
 double softened(const model::Elastomer& elastomer, double amplitude);
