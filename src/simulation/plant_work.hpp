@@ -23,7 +23,8 @@ void bend_arms(const dynamics::NonlinearModel& mechanics, const Pose& X_referenc
 struct Plant::OilConstants {
   hydraulics::ServoAxisOf<Lanes> axis{};
   Lanes gimbal_compliance{}, gimbal_force{};
-  bool gimbals{}, bristles{};  ///< any?
+  Lanes stick_stiffness{}, stick_s{};    ///< of seals that stick, and where they are not bent
+  bool gimbals{}, bristles{}, sticks{};  ///< any?
 };
 
 /// What the pistons do, and the oil in all legs with its valves. Not set to zero before it is
