@@ -25,6 +25,7 @@ bool concerns(std::string_view path, const FmuMachine& fmu) {
   if (path.starts_with("controller.")) return fmu.controlled;
   // The number of segments says which states there are.
   const bool waves = fmu.hydraulics && fmu.machine.hydraulics.lines.segments > 0.0;
+  if (path == "legs.stick_stiffness") return !fmu.hydraulics;  // of linear models
   if (path.starts_with("lines.")) return waves && path != "lines.segments";
   return fmu.hydraulics || !std::ranges::any_of(of_oil, begins);
 }

@@ -19,7 +19,8 @@ using StateOnStack = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, most_states, 1>
 struct Plant::OilConstants {
   hydraulics::ServoAxisOf<Lanes> axis{};
   Lanes gimbal_compliance{}, gimbal_force{};
-  bool gimbals{}, bristles{};  ///< any?
+  Lanes stick_stiffness{}, stick_s{};    ///< of seals that stick, and where they are not bent
+  bool gimbals{}, bristles{}, sticks{};  ///< any?
 };
 
 /// What the pistons do, and the oil in all legs with its valves. Not set to zero before it is

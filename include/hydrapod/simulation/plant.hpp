@@ -269,6 +269,7 @@ class Plant {
  private:
   struct OilSpring {
     double force{}, stiffness{}, damping{}, s{};
+    double stick{};  ///< share of `stiffness` that is of seals that stick
   };
   struct Gimbals {
     double compliance{};  ///< 1/k_j [m/N], 0: they are rigid
@@ -277,7 +278,7 @@ class Plant {
   struct Work;  ///< intermediate results of one evaluation
   bool evaluate(const double* x, const PlantInput& input, double* rate, Work& work) const;
   struct OilConstants;
-  void set_oil_constants();
+  void set_oil_constants(const Pose& X_reference);
   OilState oil_state(const dynamics::Motion& motion, const double* x,
                      const PlantInput& input) const;
   OilRates oil_rates(const OilState& state) const;
