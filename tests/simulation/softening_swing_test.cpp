@@ -17,7 +17,7 @@ namespace {
 using Eigen::VectorXd;
 using modal::ModeAtAmplitude;
 
-constexpr double softening_time = 0.43;
+constexpr double swing_softening_time = 0.43;
 
 /// Under a weight that its seals carry; no two legs are alike, so that x and y are apart.
 model::Machine heavy_machine(bool bends) {
@@ -31,7 +31,7 @@ model::Machine heavy_machine(bool bends) {
                                   .frequency = 8.3,
                                   .softening = 0.37,
                                   .softening_amplitude = 1.7e-4,
-                                  .softening_time = softening_time};
+                                  .softening_time = swing_softening_time};
     leg.piston_ring->elastomer = leg.guide_sleeve.elastomer;
     if (!bends) continue;
     leg.bending = model::LegBending::elastic;
@@ -150,7 +150,7 @@ void expect_harmonic_balance(const model::Machine& machine, ModelKind kind) {
   for (const auto& point : curve.points) {
     ASSERT_TRUE(point.converged);
     Sustained sustained(machine, kind, point);
-    const auto found = sustained.swing(12.0 * softening_time, 40);
+    const auto found = sustained.swing(12.0 * swing_softening_time, 40);
     EXPECT_NEAR(found.amplitude, point.amplitude, 0.05 * point.amplitude);
     const auto there = balance({found.amplitude}).points.front();
     ASSERT_TRUE(there.converged);
