@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "hydrapod/numerics/dense.hpp"
+#include "line_weights.hpp"
 #include "output_errors.hpp"
 
 namespace hydrapod::identification {
@@ -230,12 +231,6 @@ double lines_in_step(const FrequencyResponses& responses) {
   for (std::size_t d = 1; d < responses.line_covariance.size(); ++d)
     count += 2.0 * responses.line_covariance[d].real();
   return count;
-}
-
-VectorXd row_sizes(const FrequencyResponses& responses) {
-  VectorXd sum = VectorXd::Zero(responses.H[0].rows());
-  for (const auto& H : responses.H) sum += H.rowwise().squaredNorm();
-  return (sum / static_cast<double>(responses.lines())).cwiseSqrt().cwiseMax(1e-300);
 }
 
 MatrixXcd modelled(const ModalModel& model, const std::vector<PoleLines>& lines, Index line,

@@ -11,9 +11,6 @@ Eigen::MatrixXd own_by_shared(const Eigen::MatrixXd& normal, Eigen::Index shared
 /// Noise that neighbouring lines share counts that often.
 double lines_in_step(const FrequencyResponses& responses);
 
-/// Root mean square of H per output.
-Eigen::VectorXd row_sizes(const FrequencyResponses& responses);
-
 /// H of the model at a line of the responses, with the window's effect that is in `lines`.
 Eigen::MatrixXcd modelled(const ModalModel& model, const std::vector<PoleLines>& lines,
                           Eigen::Index line, const FrequencyResponses& responses);

@@ -116,31 +116,38 @@ FitSystem::FitSystem(const FrequencyResponses& r, const FitOptions& options)
       numbers_(identification::numbers_per_line(r)),
       omega_scale_(two_pi * r.frequency.back()),
       M_(lines_, inputs_ * inputs_),
-      weights_re_(lines_, outputs_ * inputs_ * (inputs_ + 1) / 2),
-      weights_im_(lines_, outputs_ * inputs_ * (inputs_ - 1) / 2),
       data_(lines_, outputs_ * inputs_) {
   // row_weights hold one over the variance averaged over inputs; W takes the inputs' part of it
   const MatrixXd weight = row_weights(r, false);
   deviation_ = weight.cwiseSqrt().cwiseInverse();
   for (Index k = 0; k < lines_; ++k) {
     MatrixXcd W = whitening_of(r, static_cast<std::size_t>(k));
-    for (Index i = 0, pair = 0; i < inputs_; ++i)
-      for (Index j = 0; j < inputs_; ++j) {
-        const Complex M_ij = W.col(i).dot(W.col(j));
-        M_(k, i * inputs_ + j) = M_ij;
-        if (j < i) continue;
-        for (Index o = 0; o < outputs_; ++o) {
-          weights_re_(k, o * inputs_ * (inputs_ + 1) / 2 + pair) = weight(k, o) * M_ij.real();
-          if (j > i)  // and i pairs (i, i) are left out before this one
-            weights_im_(k, o * inputs_ * (inputs_ - 1) / 2 + pair - i - 1) =
-                weight(k, o) * M_ij.imag();
-        }
-        ++pair;
-      }
+    for (Index i = 0; i < inputs_; ++i)
+      for (Index j = 0; j < inputs_; ++j) M_(k, i * inputs_ + j) = W.col(i).dot(W.col(j));
     data_.row(k) = r.H[static_cast<size_t>(k)].reshaped<Eigen::RowMajor>().transpose();
     white_.push_back(std::move(W));
   }
+  form_weights(weight);
   data_gradient_ = Parts(weighted(data_));
+}
+
+/// `weight`: w_o, lines × outputs.
+void FitSystem::form_weights(const MatrixXd& weight) {
+  for (Index i = 0; i < inputs_; ++i) pairs_.push_back({i, i});
+  for (Index i = 0; i < inputs_; ++i)
+    for (Index j = i + 1; j < inputs_; ++j)
+      if (!M_.col(i * inputs_ + j).isZero(0.0)) pairs_.push_back({i, j});
+  const Index count = std::ssize(pairs_), off = count - inputs_;
+  weights_re_.resize(lines_, outputs_ * count);
+  weights_im_.resize(lines_, outputs_ * off);
+  for (Index o = 0; o < outputs_; ++o) {
+    for (Index n = 0; n < count; ++n) {
+      const auto [i, j] = pairs_[static_cast<std::size_t>(n)];
+      const auto M_ij = M_.col(i * inputs_ + j);
+      weights_re_.col(o * count + n) = weight.col(o).cwiseProduct(M_ij.real());
+      if (j > i) weights_im_.col(o * off + n - inputs_) = weight.col(o).cwiseProduct(M_ij.imag());
+    }
+  }
 }
 
 /// w_o M e_o for rows e_o, laid out as the residual.
@@ -159,8 +166,8 @@ MatrixXcd FitSystem::weighted(const MatrixXcd& rows) const {
 /// Σ w_o Re(c_a* c_b M_ij) for all outputs.
 void FitSystem::add_gram(FitState& state) const {
   const auto& c = state.functions;
-  const Index n = c.re.cols(), p = inputs_, pairs = p * (p + 1) / 2;
-  MatrixXd re(chunk, n * (n + 1) / 2), im(chunk, re.cols());
+  const Index n = c.re.cols(), p = inputs_, pairs = std::ssize(pairs_), off = pairs - p;
+  MatrixXd re(chunk, n * (n + 1) / 2), im(off > 0 ? chunk : 0, re.cols());
   MatrixXd even = MatrixXd::Zero(re.cols(), weights_re_.cols()),
            odd = MatrixXd::Zero(im.cols(), weights_im_.cols());
   for (Index first = 0; first < lines_; first += chunk) {
@@ -171,22 +178,25 @@ void FitSystem::add_gram(FitState& state) const {
           return m.col(column).segment(first, count).array();
         };
         re.col(at).head(count) = some(c.re, a) * some(c.re, b) + some(c.im, a) * some(c.im, b);
-        im.col(at).head(count) = some(c.re, a) * some(c.im, b) - some(c.im, a) * some(c.re, b);
+        if (off > 0)
+          im.col(at).head(count) = some(c.re, a) * some(c.im, b) - some(c.im, a) * some(c.re, b);
       }
     numerics::add_transposed_times(re.topRows(count), weights_re_.middleRows(first, count), even);
-    numerics::add_transposed_times(im.topRows(count), weights_im_.middleRows(first, count), odd);
+    if (off > 0)
+      numerics::add_transposed_times(im.topRows(count), weights_im_.middleRows(first, count), odd);
   }
-  state.gram.assign(static_cast<size_t>(outputs_), MatrixXd(n * p, n * p));
+  state.gram.assign(static_cast<size_t>(outputs_), MatrixXd::Zero(n * p, n * p));
   for (Index o = 0; o < outputs_; ++o) {
     auto& G = state.gram[static_cast<size_t>(o)];
     for (Index b = 0, at = 0; b < n; ++b)
       for (Index a = 0; a <= b; ++a, ++at)
-        for (Index i = 0, pair = o * pairs, off = o * (pairs - p); i < p; ++i)
-          for (Index j = i; j < p; ++j, ++pair) {
-            const double same = even(at, pair), turned = i == j ? 0.0 : odd(at, off++);
-            G(a * p + i, b * p + j) = G(b * p + j, a * p + i) = same - turned;
-            G(a * p + j, b * p + i) = G(b * p + i, a * p + j) = same + turned;
-          }
+        for (Index pair = 0; pair < pairs; ++pair) {
+          const auto [i, j] = pairs_[static_cast<std::size_t>(pair)];
+          const double same = even(at, o * pairs + pair),
+                       turned = i == j ? 0.0 : odd(at, o * off + pair - p);
+          G(a * p + i, b * p + j) = G(b * p + j, a * p + i) = same - turned;
+          G(a * p + j, b * p + i) = G(b * p + i, a * p + j) = same + turned;
+        }
   }
 }
 
@@ -214,13 +224,20 @@ void FitSystem::solve_own(FitState& state) const {
   state.cost = state.residual.conjugate().cwiseProduct(weighted(state.residual)).real().sum();
 }
 
-FitState FitSystem::solved(SharedParameters shared) const {
+PoleLines FitSystem::lines_of(Complex pole, const FitState* before) const {
+  if (before != nullptr)
+    for (Index r = 0; r < before->shared.poles.size(); ++r)
+      if (before->shared.poles[r] == pole) return before->lines[static_cast<size_t>(r)];
+  return pole_basis_.at(pole);
+}
+
+FitState FitSystem::solved(SharedParameters shared, const FitState* before) const {
   FitState state;
   state.shared = std::move(shared);
   const Index modes = state.shared.poles.size();
   state.functions = Parts(lines_, 2 * modes + residual_terms_);
   for (Index r = 0; r < modes; ++r) {
-    state.lines.push_back(pole_basis_.at(state.shared.poles[r]));
+    state.lines.push_back(lines_of(state.shared.poles[r], before));
     const auto& lines = state.lines.back();
     set_pair(lines.g, lines.g_conjugate, 2 * r, state.functions);
   }

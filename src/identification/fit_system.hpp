@@ -70,7 +70,8 @@ class FitSystem {
   /// W per line, Wᴴ W = M.
   [[nodiscard]] const std::vector<MatrixXcd>& whitening() const { return white_; }
 
-  [[nodiscard]] FitState solved(SharedParameters shared) const;
+  /// `before`: a state of this system; what it has of the same poles is not computed again.
+  [[nodiscard]] FitState solved(SharedParameters shared, const FitState* before = nullptr) const;
 
   /// Normal equations of an output: N = JᵀJ over (shared, own) parameters, and Jᵀ e.
   struct Normal {
@@ -86,12 +87,18 @@ class FitSystem {
   [[nodiscard]] MatrixXd derivatives(const FitState& state, Index output) const;
 
  private:
+  void form_weights(const MatrixXd& weight);
+  [[nodiscard]] PoleLines lines_of(Complex pole, const FitState* before) const;
   void add_gram(FitState& state) const;
   void solve_own(FitState& state) const;
   [[nodiscard]] MatrixXcd weighted(const MatrixXcd& rows) const;
   [[nodiscard]] Parts times_weight(const Parts& slopes) const;
   [[nodiscard]] MatrixXd with_slopes(const FitState& state, const Parts& slopes,
                                      const Parts& turned, Index output) const;
+
+  struct Pair {
+    Index i, j;
+  };
 
   const FrequencyResponses& responses_;
   PoleBasis pole_basis_;
@@ -102,8 +109,9 @@ class FitSystem {
   MatrixXd deviation_;            // lines × outputs
   std::vector<MatrixXcd> white_;  // per line
   MatrixXcd M_;                   // lines × inputs², column i p + j
-  MatrixXd weights_re_;           // w_o M_ij, i ≤ j: lines × (outputs · pairs)
-  MatrixXd weights_im_;           // i < j
+  std::vector<Pair> pairs_;       // i ≤ j with M_ij ≠ 0 at some line; those i < j come last
+  MatrixXd weights_re_;           // w_o M_ij: lines × (outputs · pairs)
+  MatrixXd weights_im_;           // of the pairs i < j
   MatrixXcd data_;                // Ĥ_oi in column o p + i
   Parts data_gradient_;           // w_o M Ĥ_o
 };

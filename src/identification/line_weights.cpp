@@ -39,6 +39,12 @@ VectorXd signal_to_noise(const FrequencyResponses& r, Index reach) {
   return running_mean(own, reach);
 }
 
+VectorXd row_sizes(const FrequencyResponses& responses) {
+  VectorXd sum = VectorXd::Zero(responses.H[0].rows());
+  for (const auto& H : responses.H) sum += H.rowwise().squaredNorm();
+  return (sum / static_cast<double>(responses.lines())).cwiseSqrt().cwiseMax(1e-300);
+}
+
 MatrixXd row_weights(const FrequencyResponses& r, bool transposed) {
   constexpr Index reach = 2;
   const auto lines = static_cast<Index>(r.lines());
@@ -55,6 +61,10 @@ MatrixXd row_weights(const FrequencyResponses& r, bool transposed) {
       for (Index i = 0; i < columns; ++i)
         variance[k] += r.variance(static_cast<size_t>(k), transposed ? i : o, transposed ? o : i) /
                        static_cast<double>(columns);
+    }
+    if (square.maxCoeff() == 0.0 && variance.maxCoeff() == 0.0) {  // any weight will do
+      weight.col(o).setOnes();
+      continue;
     }
     // without known errors: in proportion to the response, but no better than in its quieter half
     const double median = std::max(numerics::upper_median({square.begin(), square.end()}), 1e-300);

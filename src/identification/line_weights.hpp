@@ -14,6 +14,9 @@ double numbers_per_line(const FrequencyResponses& responses);
 /// Mean of |H|²/variance over entries and over the lines up to `reach` away, per line.
 Eigen::VectorXd signal_to_noise(const FrequencyResponses& responses, Eigen::Index reach);
 
+/// Root mean square of H per output.
+Eigen::VectorXd row_sizes(const FrequencyResponses& responses);
+
 /// w² per line and output (input, if `transposed`): one over the variance, averaged over the row
 /// and over a few lines; without known errors one over the mean square of the row plus
 /// its median over the lines.

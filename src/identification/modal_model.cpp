@@ -7,28 +7,12 @@
 #include <stdexcept>
 
 #include "fit_covariance.hpp"
-#include "fit_system.hpp"
+#include "fixed_poles.hpp"
 #include "trial_fit.hpp"
 
 namespace hydrapod::identification {
 
 namespace {
-
-SharedParameters start_of(const std::vector<PoleEstimate>& start, Index inputs) {
-  SharedParameters shared;
-  const auto modes = static_cast<Index>(start.size());
-  shared.poles.resize(modes);
-  shared.participations.resize(inputs, modes);
-  for (Index r = 0; r < modes; ++r) {
-    const auto& e = start[static_cast<size_t>(r)];
-    Index largest = 0;
-    e.participation.cwiseAbs().maxCoeff(&largest);
-    shared.poles[r] = e.pole;
-    shared.participations.col(r) = e.participation / e.participation[largest];
-    shared.fixed.push_back(largest);
-  }
-  return shared;
-}
 
 /// Normal equations of the shared parameters, own ones eliminated.
 FitSystem::Normal reduced_normal(const FitSystem& system, const FitState& state) {
@@ -66,33 +50,6 @@ bool improve(const FitSystem& system, FitState& state, double& damping) {
     return true;
   }
   return false;
-}
-
-void fill(const FitSystem& system, const FitState& state, ModalModel& model) {
-  const Index modes = state.shared.poles.size(), inputs = system.inputs(),
-              outputs = system.outputs();
-  for (Index r = 0; r < modes; ++r) {
-    FittedMode mode;
-    mode.pole = state.shared.poles[r];
-    mode.participation = state.shared.participations.col(r);
-    mode.shape.resize(outputs);
-    for (Index o = 0; o < outputs; ++o)
-      mode.shape[o] = shape_row(state.own[static_cast<size_t>(o)], modes)[r];
-    // steps may have made another element the largest
-    Index largest = 0;
-    mode.participation.cwiseAbs().maxCoeff(&largest);
-    const Complex unit = mode.participation[largest];
-    mode.participation /= unit;
-    mode.shape *= unit;
-    model.modes.push_back(std::move(mode));
-  }
-  for (int t = 0; t < system.residual_terms(); ++t) {
-    MatrixXd C(outputs, inputs);
-    for (Index o = 0; o < outputs; ++o)
-      C.row(o) = state.own[static_cast<size_t>(o)].segment(2 * modes + t * inputs, inputs);
-    model.residuals.push_back(std::move(C));
-  }
-  model.omega_scale = system.omega_scale();
 }
 
 /// Mean of |residual|²/variance, less the parameters.
@@ -144,73 +101,36 @@ class Prospect {
   int seen_{};
 };
 
-/// Σ over lines of |e U|² and |H U|², per output; e as FitState::residual.
-struct SeenPowers {
-  VectorXd rest, measured;
-};
-
-SeenPowers seen_in_record(const FrequencyResponses& r, const MatrixXcd& residual) {
-  const Index outputs = r.H[0].rows(), inputs = r.H[0].cols();
-  SeenPowers sum{VectorXd::Zero(outputs), VectorXd::Constant(outputs, 1e-300)};
-  for (std::size_t k = 0; k < r.lines(); ++k) {
-    const VectorXcd& U = r.excitation[k];
-    sum.measured += (r.H[k] * U).cwiseAbs2();
-    for (Index o = 0; o < outputs; ++o) {
-      const Complex seen = residual.row(static_cast<Index>(k)).segment(o * inputs, inputs) * U;
-      sum.rest[o] += std::norm(seen);
-    }
-  }
-  return sum;
-}
-
-/// Error of the synthesis and what each mode adds.
-void judge(const FitSystem& system, const FitState& state, const FrequencyResponses& responses,
-           ModalModel& model) {
-  const VectorXd significance = significances(system, state, responses);
-  for (Index r = 0; r < significance.size(); ++r)
-    model.modes[static_cast<size_t>(r)].significance = significance[r];
-  // the error is seen in the responses themselves, each output in proportion to its own size
-  const VectorXd size = row_sizes(responses);
-  double off = 0.0, whole = 0.0;
-  if (!responses.excitation.empty()) {
-    const auto [rest, measured] = seen_in_record(responses, state.residual);
-    off = rest.cwiseQuotient(measured).sum();
-    whole = static_cast<double>(measured.size());
-  }
-  for (Index o = 0; o < system.outputs() && responses.excitation.empty(); ++o) {
-    const Index p = system.inputs();
-    off += state.residual.middleCols(o * p, p).squaredNorm() / (size[o] * size[o]);
-    for (const auto& H : responses.H) whole += H.row(o).squaredNorm() / (size[o] * size[o]);
-  }
-  model.error = whole > 0.0 ? std::sqrt(off / whole) : 0.0;
-}
-
 /// `worth`: may be none.
 std::optional<ModalModel> fitted(const FrequencyResponses& responses,
                                  const std::vector<PoleEstimate>& start, const FitOptions& options,
                                  const Worth* worth) {
   if (start.empty()) throw std::invalid_argument("a modal model needs at least one pole");
   const FitSystem system(responses, options);
-  FitState state = system.solved(start_of(start, system.inputs()));
-  ModalModel model;
+  FitState state = system.solved(shared_parameters(start, system.inputs()));
   std::optional<Prospect> prospect;
   if (worth != nullptr) prospect.emplace(*worth, significances(system, state, responses));
   double damping = 1e-4;
-  for (; model.iterations < options.max_iterations; ++model.iterations) {
+  int iterations = 0;
+  bool converged = false;
+  for (; iterations < options.max_iterations; ++iterations) {
     const double before = state.cost;
-    model.converged =
+    converged =
         !improve(system, state, damping) || before - state.cost <= options.tolerance * before;
     if (prospect && prospect->fails(significances(system, state, responses),
-                                    options.max_iterations - model.iterations - 1))
+                                    options.max_iterations - iterations - 1))
       return {};
-    if (model.converged) break;
+    if (converged) break;
   }
   if (prospect && prospect->failed()) return {};
-  fill(system, state, model);
-  model.cost = state.cost;
+  ModalModel model = model_of(system, responses, state);
+  model.iterations = iterations;
+  model.converged = converged;
   const double misfit = misfit_of(system, state);
   if (responses.has_errors()) model.misfit = misfit;
-  judge(system, state, responses, model);
+  const VectorXd significance = significances(system, state, responses);
+  for (Index r = 0; r < significance.size(); ++r)
+    model.modes[static_cast<size_t>(r)].significance = significance[r];
   if (options.deviations != Deviations::none)
     add_deviations(system, responses, state, options.deviations, misfit, model);
   return model;

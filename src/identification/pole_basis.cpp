@@ -21,7 +21,7 @@ PoleBasis::PoleBasis(const FrequencyResponses& responses, bool taper)
       taper_.resize(0);
       return;
     }
-    line_.push_back(line);
+    line_.push_back(line % taper_.size());  // the transform repeats
   }
 }
 

@@ -7,7 +7,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "fit_covariance.hpp"
+#include "line_weights.hpp"
+#include "names.hpp"
 
 namespace hydrapod::identification {
 

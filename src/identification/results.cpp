@@ -1,9 +1,9 @@
 // What others take of an identification, and numbers about modes that they show.
 #include <Eigen/SVD>
 
-#include "fit_covariance.hpp"
 #include "hydrapod/identification/identify.hpp"
 #include "hydrapod/identification/responses.hpp"
+#include "line_weights.hpp"
 #include "names.hpp"
 
 namespace hydrapod::identification {

@@ -1,6 +1,5 @@
 #include "hydrapod/numerics/statistics.hpp"
 
-#include <algorithm>
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/fisher_f.hpp>
 #include <boost/math/distributions/students_t.hpp>
@@ -19,12 +18,6 @@ double chi_squared_quantile(double probability, int degrees) {
 
 double fisher_quantile(double probability, double numerator, double denominator) {
   return boost::math::quantile(boost::math::fisher_f(numerator, denominator), probability);
-}
-
-double upper_median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
 }
 
 }  // namespace hydrapod::numerics

@@ -198,6 +198,17 @@ export function responses(name, modes, { damping, deviation, names = {}, more = 
   return file;
 }
 
+/** ρ of a Hann window: Σ w_t w_(t + τ)/Σ w². */
+export function hannTaper(length) {
+  const w = Array.from({ length }, (_, t) => 0.5 - 0.5 * Math.cos((2 * Math.PI * t) / length));
+  const square = w.reduce((sum, v) => sum + v * v, 0);
+  return w.map((_, lag) => {
+    let sum = 0;
+    for (let t = 0; t + lag < length; ++t) sum += w[t] * w[t + lag];
+    return sum / square;
+  });
+}
+
 /** The published machine with piston rings and dampers: 30 modes, complex. */
 export const damped = [
   published,
@@ -253,7 +264,10 @@ export async function openAt(address, own, options = {}) {
   await page.waitForFunction(
     () => window.hydrapod?.scene === undefined || window.hydrapod.scene.frames() > 0,
   );
-  await page.evaluate(() => window.hydrapod?.bode?.ready);
+  await page.evaluate(async () => {
+    await window.hydrapod?.bode?.ready;
+    await window.hydrapod?.identification?.ready;
+  });
   return page;
 }
 

@@ -1,51 +1,22 @@
-// How long a recalculation takes, from values to JSON and 2000 Bode lines:
+// How long a recalculation takes, from values to JSON and 2000 Bode lines, and the fit of poles to 2000 lines of
+// measured responses, 6 × 6:
 //
 //     node web/core/bench.mjs REPORT.html [COUNT]
 //
-// REPORT: written by `hydrapod report`. Runs the module of that page in node: the same engine (V8) as in
-// Chromium, without a browser around it. Prints the median and the 99th percentile in milliseconds, of the
+// REPORT: written by `hydrapod report`. Prints the median and the 99th percentile in milliseconds, of the
 // whole and of its parts.
 import { readFileSync } from 'node:fs';
-import { gunzipSync } from 'node:zlib';
+import { startCore } from './module.mjs';
 
 const [file, count = '1000'] = process.argv.slice(2);
 if (!file) throw new Error('usage: node web/core/bench.mjs REPORT.html [COUNT]');
-const page = readFileSync(file, 'utf8');
-const block = (id) => new RegExp(`id="${id}">([^<]*)<`).exec(page)[1];
-const document = JSON.parse(block('data'));
-const nothing = () => 0;
-const { instance } = await WebAssembly.instantiate(gunzipSync(Buffer.from(block('core'), 'base64')), {
-  env: { emscripten_notify_memory_growth: nothing },
-  wasi_snapshot_preview1: {
-    proc_exit: nothing,
-    environ_sizes_get: nothing,
-    environ_get: nothing,
-    fd_write: nothing,
-    fd_close: nothing,
-    fd_seek: nothing,
-  },
-});
-const core = instance.exports;
-core._initialize();
-
-function call(name, value) {
-  const bytes = new TextEncoder().encode(JSON.stringify(value));
-  new Uint8Array(core.memory.buffer, core.core_room(bytes.length), bytes.length).set(bytes);
-  const refused = core[name]() !== 0;
-  const text = new TextDecoder().decode(
-    new Uint8Array(core.memory.buffer, core.core_answer(), core.core_answer_size()),
-  );
-  if (refused) throw new Error(text);
-  return text;
-}
+const document = JSON.parse(/id="data">([^<]*)</.exec(readFileSync(file, 'utf8'))[1]);
+const { core, call, give, taken } = await startCore();
 
 const lines = 2000;
 function sweep(from, to) {
-  const at = core.core_lines(lines);
-  const omega = new Float64Array(core.memory.buffer, at, lines);
-  for (let k = 0; k < lines; ++k) omega[k] = from * (to / from) ** (k / (lines - 1));
-  const values = core.core_sweep();
-  return new Float64Array(core.memory.buffer, core.core_numbers(), values).slice();
+  give(Float64Array.from({ length: lines }, (_, k) => from * (to / from) ** (k / (lines - 1))));
+  return taken(core.core_sweep());
 }
 
 call('core_open', document.editable);
@@ -78,3 +49,32 @@ for (const [name, list] of Object.entries(times)) {
 }
 // where other programs want the processor too, this is what counts
 console.log(`processor time of one recalculation: ${each.toFixed(2)} ms`);
+
+/** Fits of `poles` poles, with the deviations of the responses known or not, with a window or none. */
+function fits(poles, deviations, window) {
+  const frequency = Array.from({ length: lines }, (_, k) => 2 + k / 16);
+  const entry = () => Array.from({ length: (deviations ? 3 : 2) * lines }, () => 1 + Math.random());
+  const numbers = [frequency, ...Array.from({ length: 36 }, entry), Array.from({ length: window }, (_, k) => -k / window)];
+  give(Float64Array.from(numbers.flat()));
+  const begin = performance.now();
+  call('core_measured', { outputs: 6, inputs: 6, lines, deviations, shift: 0, residual_terms: 4, window, duration: 16 });
+  const handed = performance.now() - begin;
+  const some = () => Array.from({ length: 6 }, () => Math.random() - 0.5);
+  const list = Array.from({ length: poles }, (_, k) => ({
+    pole: { re: -1 - k, im: 2 * Math.PI * (5 + 100 * k / poles) },
+    participation: { re: some(), im: some() },
+  }));
+  const all = [];
+  for (let k = 0; k < 21; ++k) {
+    const from = performance.now();
+    list[k % poles].pole.im += 1; // the reader changes one of them
+    taken(Number(call('core_fit', { poles: list })));
+    all.push(performance.now() - from);
+  }
+  const [first] = all;
+  all.sort((a, b) => a - b);
+  const what = `${poles} poles, deviations ${deviations ? 'known' : 'not known'}, ${window ? `window of ${window} values` : 'no window'}`;
+  console.log(`${what}: responses handed over in ${handed.toFixed(1)} ms, first fit ${first.toFixed(1)} ms, median ${all[10].toFixed(1)} ms`);
+}
+
+for (const poles of [6, 12, 30]) for (const deviations of [true, false]) for (const window of [0, 16384]) fits(poles, deviations, window);

@@ -4,7 +4,8 @@
 ///     core.open(bytes); core.compute(bytes); …   // 0: done, 1: refused; the answer, or why,
 ///     core.answer(), core.answer_size()          // stands here until the next call
 ///
-/// Nothing is kept but the machine that was opened and the responses of the last one computed.
+/// Nothing is kept but the machine that was opened, the responses of the last one computed, and the
+/// measured responses that poles are fitted to.
 
 #include <exception>
 #include <optional>
@@ -12,10 +13,12 @@
 #include <vector>
 
 #include "core.hpp"
+#include "measured_fit.hpp"
 
 namespace {
 
 using hydrapod::page::Core;
+using hydrapod::page::MeasuredFit;
 using hydrapod::report::Json;
 
 std::string& asked() {
@@ -29,6 +32,10 @@ std::string& answered() {
 std::optional<Core>& core() {
   static std::optional<Core> opened;
   return opened;
+}
+std::optional<MeasuredFit>& measured() {
+  static std::optional<MeasuredFit> given;
+  return given;
 }
 std::vector<double>& numbers() {
   static std::vector<double> values;
@@ -89,6 +96,21 @@ CORE_EXPORT int core_curves() {
 CORE_EXPORT int core_scatter() {
   return answer([](const Json& request) {
     numbers() = core().value().scatter(request);
+    return Json(numbers().size());
+  });
+}
+
+/// The numbers of MeasuredFit() stand where core_lines() says; there need not be a machine.
+CORE_EXPORT int core_measured() {
+  return answer([](const Json& shape) {
+    measured().reset();
+    measured().emplace(shape, numbers());
+    return Json(nullptr);
+  });
+}
+CORE_EXPORT int core_fit() {
+  return answer([](const Json& request) {
+    numbers() = measured().value().fit(request);
     return Json(numbers().size());
   });
 }

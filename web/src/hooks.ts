@@ -59,18 +59,18 @@ export interface SimulationHook {
 }
 
 export interface IdentificationHook {
+  /** Resolves when what was chosen last is fitted and shown. */
+  readonly ready: Promise<void>;
   /** Marks of the stabilisation chart as drawn, px of the picture. */
   marks(): { order: number; frequency_hz: number; x: number; y: number }[];
   /** Poles [1/s] that are switched on, in the order of the table. */
   chosen(): Complex[];
-  /** Of the fit: √(Σ|Ĥ − H|²/Σ|Ĥ|²). */
+  /** Of the fit: √(Σ|Ĥ − H|²/Σ|Ĥ|²). NaN, and no shapes and responses, until there is one. */
   error(): number;
   /** Fitted shapes, by pole that is on and output. */
   shapes(): Complex[][];
   /** The fit at the measured lines, including the effect of the measurement window. */
   fitted(output: number, input: number): Complex[];
-  /** The fitted model without the window at a frequency [Hz]. */
-  responseAt(output: number, input: number, frequency: number): Complex;
   /** The shape that is shown. */
   shape: {
     /** Points of leg 1…6 as drawn; null: nothing is drawn on this side. */

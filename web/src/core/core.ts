@@ -2,6 +2,7 @@
 
 import script from 'core-worker';
 import type { Editable, PoseReport } from '../document';
+import type { Pole } from '../identification/types';
 import type { Answered, Asked } from './worker';
 
 export interface Parameter {
@@ -69,6 +70,18 @@ export interface Scatter {
   seed: number;
   from: number;
   count: number;
+}
+
+/** What the numbers of measured responses are (web/core/measured_fit.hpp). */
+export interface MeasuredShape {
+  outputs: number;
+  inputs: number;
+  lines: number;
+  deviations: boolean;
+  shift: number;
+  residual_terms: number;
+  window: number;
+  duration: number;
 }
 
 /** Columns of a map (web/core/core.hpp). */
@@ -140,6 +153,16 @@ export class Core {
   /** Rows of the samples `from` … of `hydrapod montecarlo`, as of map(). */
   async scatter(request: Scatter): Promise<Float64Array> {
     return (await this.call('scatter', JSON.stringify(request))).numbers as Float64Array;
+  }
+
+  /** Has the core keep these responses for fit(). */
+  async measured(shape: MeasuredShape, numbers: Float64Array): Promise<void> {
+    await this.call('measured', JSON.stringify(shape), numbers);
+  }
+
+  /** The fit of poles to the measured responses: numbers as web/core/measured_fit.hpp says. */
+  async fit(poles: Pole[]): Promise<Float64Array> {
+    return (await this.call('fit', JSON.stringify({ poles }))).numbers as Float64Array;
   }
 
   /** Per direction the displacements from the neutral pose that are within reach. */

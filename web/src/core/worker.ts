@@ -22,9 +22,26 @@ interface Exports {
   core_map(): number;
   core_curves(): number;
   core_scatter(): number;
+  core_measured(): number;
+  core_fit(): number;
 }
 
-type Call = 'open' | 'compute' | 'buckling' | 'sensitivities' | 'reach' | 'map' | 'curves' | 'scatter';
+type Call =
+  | 'open'
+  | 'compute'
+  | 'buckling'
+  | 'sensitivities'
+  | 'reach'
+  | 'map'
+  | 'curves'
+  | 'scatter'
+  | 'measured'
+  | 'fit';
+
+/** Calls that `numbers` are for. */
+const taking: Call[] = ['map', 'measured'];
+/** Calls whose answer is how many numbers there are. */
+const giving: Call[] = ['map', 'curves', 'scatter', 'fit'];
 
 export interface Asked {
   id: number;
@@ -32,7 +49,7 @@ export interface Asked {
   text: string;
   /**
    * With `compute`: also responses at these angular frequencies [rad/s]. With `map`: displacements,
-   * six numbers each.
+   * six numbers each. With `measured`: measured responses.
    */
   numbers?: Float64Array;
 }
@@ -107,12 +124,11 @@ scope.onmessage = async ({ data: { id, call, text, numbers } }) => {
   try {
     if (call === 'start') await start(text);
     else {
-      if (call === 'map' && numbers) give(numbers);
+      if (taking.includes(call) && numbers) give(numbers);
       [answer.ok, answer.text] = called(call, text);
+      if (answer.ok && giving.includes(call)) answer.numbers = taken(Number(answer.text));
+      else if (answer.ok && call === 'compute' && numbers) answer.numbers = sweep(numbers);
     }
-    const isNumbers = call === 'map' || call === 'curves' || call === 'scatter';
-    if (answer.ok && isNumbers) answer.numbers = taken(Number(answer.text));
-    else if (answer.ok && numbers) answer.numbers = sweep(numbers);
   } catch (error) {
     answer.ok = false;
     answer.text = String(error);

@@ -1,8 +1,7 @@
 // The selected poles: at first those of modes and heavily damped ones; the reader switches them, and
 // adds poles of the chart by hand.
 
-import type { Pole } from './fit';
-import type { ChartPole, Identification, Vector } from './types';
+import type { ChartPole, FittedPole, Identification, Pole } from './types';
 
 export interface ChosenPole extends Pole {
   kind: 'mode' | 'heavy' | 'hand';
@@ -19,7 +18,7 @@ export class Choice {
   onChange: () => void = () => {};
 
   constructor(private readonly data: Identification) {
-    const from = (kind: ChosenPole['kind']) => (mode: FittedLike, k: number) => ({
+    const from = (kind: ChosenPole['kind']) => (mode: FittedPole, k: number) => ({
       kind,
       number: k + 1,
       on: true,
@@ -90,11 +89,4 @@ export class Choice {
     this.poles.splice(this.poles.indexOf(pole), 1);
     for (const [mark, chosen] of this.added) if (chosen === pole) this.added.delete(mark);
   }
-}
-
-interface FittedLike {
-  pole: { re: number; im: number };
-  participation: Vector;
-  frequency_hz: number;
-  damping_ratio: number;
 }

@@ -14,8 +14,10 @@ export interface ShownShape {
   /** "mode 3, 12.34 Hz" */
   name: string;
   caption: string;
-  /** null: the outputs are no directions of the platform. */
+  /** null: there is none to draw. */
   motion: PlatformMotion | null;
+  /** Why there is none; else: the outputs are no directions of the platform. */
+  problem?: string;
   model: { name: string; motion: Vector } | null;
 }
 
@@ -105,7 +107,7 @@ export class MovingShape {
     if (!shown) return;
     const { motion, model } = shown;
     this.stage.hidden = this.controls.hidden = motion === null;
-    this.caption.textContent = motion ? `${shown.caption}${missing(motion)}` : `${shown.caption} ${noDirections}`;
+    this.caption.textContent = motion ? `${shown.caption}${missing(motion)}` : `${shown.caption} ${shown.problem ?? noDirections}`;
     if (!motion || !view || !player) return;
     this.heads.replaceChildren(
       viewportHead('flexible', 'Measured', shown.name),

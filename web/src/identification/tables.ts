@@ -6,8 +6,8 @@ import { fixed, hertz, significant, signedPercent } from '../numbers';
 import { palette } from '../palette';
 import { numeric, scroller, tableHead } from '../table';
 import type { Choice, ChosenPole } from './choice';
-import type { Fit } from './fit';
-import type { Comparison, Identification, IdentifiedMode } from './types';
+import type { Fit } from './fitter';
+import type { Comparison, Identification } from './types';
 
 const percent = (ratio: number, digits = 2) => `${fixed(100 * ratio, digits)} %`;
 /** Half of an interval. */
@@ -15,7 +15,7 @@ const interval = (value: number) => significant(value, 2);
 
 /** The outputs that move most, in one unit as they are, else each in proportion to the size of its own
  * responses; of poles that the reader has chosen. */
-function moving(data: Identification, fit: Fit, index: number): string {
+function moving(data: Identification, shape: Complex[]): string {
   const { unit } = data.outputs[0];
   const inOneUnit = unit !== '' && data.outputs.every((channel) => channel.unit === unit);
   const shares = data.outputs.map((channel, o) => {
@@ -27,7 +27,7 @@ function moving(data: Identification, fit: Fit, index: number): string {
             0,
           ),
         );
-    const motion = fit.shapes[index][o];
+    const motion = shape[o];
     return { name: channel.name, motion, share: size > 0 ? Math.hypot(motion.re, motion.im) / size : 0 };
   });
   const ordered = shares.sort((a, b) => b.share - a.share);
@@ -53,6 +53,8 @@ export class PoleTable {
   onShow: (pole: ChosenPole) => void = () => {};
   readonly element: HTMLElement;
   private readonly body = html('tbody');
+  /** What moves, by pole. */
+  private motions: HTMLElement[] = [];
 
   constructor(
     private readonly data: Identification,
@@ -79,20 +81,31 @@ export class PoleTable {
     this.element = scroller('Table of identified modes', table);
   }
 
-  show(fit: Fit): void {
+  /** `fit`: the last one there was. */
+  show(fit: Fit | null): void {
     const focused = (document.activeElement as HTMLElement | null)?.dataset ?? {};
-    this.body.replaceChildren(...this.choice.poles.map((pole, k) => this.row(pole, k, fit)));
+    this.motions = this.choice.poles.map(() => html('td'));
+    this.body.replaceChildren(...this.choice.poles.map((pole, k) => this.row(pole, k)));
+    this.showMotions(fit);
     for (const name of ['pole', 'shape'])
       if (focused[name] !== undefined)
         this.body.querySelector<HTMLElement>(`[data-${name}="${focused[name]}"]`)?.focus();
   }
 
-  /** As identified, until the reader changes the poles. */
-  private motion(mode: IdentifiedMode | null, fit: Fit, active: number): string {
-    return mode && this.choice.untouched ? mode.motion : moving(this.data, fit, active);
+  /** The rows remain, and with them what the reader is about to press. */
+  showMotions(fit: Fit | null): void {
+    this.choice.poles.forEach((pole, k) => (this.motions[k].textContent = this.motion(pole, fit)));
   }
 
-  private row(pole: ChosenPole, index: number, fit: Fit): HTMLElement {
+  /** As identified, until the reader changes the poles. */
+  private motion(pole: ChosenPole, fit: Fit | null): string {
+    if (!pole.on) return 'switched off';
+    if (pole.kind === 'mode' && this.choice.untouched) return this.data.modes[pole.number - 1].motion;
+    const shape = fit?.shapes[fit.poles.indexOf(pole)];
+    return shape ? moving(this.data, shape) : '–';
+  }
+
+  private row(pole: ChosenPole, index: number): HTMLElement {
     const box = html('input', { type: 'checkbox', checked: pole.on, 'data-pole': index });
     box.addEventListener('change', () => this.choice.set(pole, box.checked));
     const name = html('label', { class: 'check' }, box, nameOf(pole));
@@ -103,7 +116,6 @@ export class PoleTable {
           ? this.data.heavily_damped[pole.number - 1]
           : null;
     const mode = pole.kind === 'mode' ? this.data.modes[pole.number - 1] : null;
-    const active = this.choice.active.indexOf(pole);
     return html(
       'tr',
       { class: pole.on ? null : 'off' },
@@ -112,7 +124,7 @@ export class PoleTable {
       numeric(fitted ? interval(fitted.frequency_95_hz) : '–'),
       numeric(percent(pole.damping_ratio)),
       numeric(fitted ? `${interval(100 * fitted.damping_95)} %` : '–'),
-      html('td', {}, active < 0 ? 'switched off' : this.motion(mode, fit, active)),
+      this.motions[index],
       numeric(mode ? fixed(mode.mpc, 3) : '–'),
       numeric(mode ? `${fixed((180 / Math.PI) * mode.mpd_rad, 1)}°` : '–'),
       numeric(mode ? fixed(mode.quality, 2) : '–'),

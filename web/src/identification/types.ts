@@ -20,6 +20,12 @@ export interface Measured {
   response: { re: number[]; im: number[]; deviation?: number[] }[][];
 }
 
+/** A pole λ [1/s] with its participation L. */
+export interface Pole {
+  pole: Complex;
+  participation: Vector;
+}
+
 export interface Channel {
   name: string;
   unit: string;
@@ -29,14 +35,12 @@ export interface Channel {
   time_derivatives?: number;
 }
 
-export interface FittedPole {
+export interface FittedPole extends Pole {
   frequency_hz: number;
   frequency_95_hz: number;
   damping_ratio: number;
   damping_95: number;
-  pole: Complex;
   shape: Vector;
-  participation: Vector;
 }
 
 export interface IdentifiedMode extends FittedPole {
@@ -50,15 +54,13 @@ export interface IdentifiedMode extends FittedPole {
 
 export type Agreement = 'new' | 'frequency' | 'damping' | 'vector';
 
-export interface ChartPole {
+export interface ChartPole extends Pole {
   frequency_hz: number;
   damping_ratio: number;
   stable: boolean;
   agrees: Agreement;
   /** From 1; null: of none. */
   cluster: number | null;
-  pole: Complex;
-  participation: Vector;
 }
 
 export interface ModelMode {
@@ -93,6 +95,7 @@ export interface Identification {
   heavily_damped: FittedPole[];
   mac: number[][];
   fit_error: number;
+  residuals: { terms: unknown[] };
   clusters: { mode: number | null; heavily_damped: number | null }[];
   stabilisation: { order: number; poles: ChartPole[] }[];
   indicator: { frequency_hz: number[]; values: number[][] };

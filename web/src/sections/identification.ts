@@ -3,12 +3,13 @@
 
 import { agreements, Chart, markPath } from '../identification/chart';
 import { Choice, type ChosenPole } from '../identification/choice';
-import { Fitter, type Fit, type Pole } from '../identification/fit';
+import { Fitter, type Fit } from '../identification/fitter';
 import { ResponsePlots } from '../identification/plots';
 import { MovingShape, type ShownShape } from '../identification/moving_shape';
 import { displacementOf, platformMotion } from '../identification/platform_motion';
 import { comparisonTable, macTable, PoleTable } from '../identification/tables';
-import type { ChartPole, Identification, Vector } from '../identification/types';
+import type { ChartPole, Identification, Pole, Vector } from '../identification/types';
+import { coreFailure, sharedCore } from '../core/shared';
 import { button, controlRow, html, identifier, select, svg } from '../dom';
 import { fixed, hertz, significant, signedPercent } from '../numbers';
 import { palette } from '../palette';
@@ -46,10 +47,15 @@ function poleCaption({ pole, known }: Selected): string {
     : `Pole that belongs to no mode, ${damping} Its shape is that of the fit with the poles that are switched on.`;
 }
 
+function fitText({ poles, error }: Fit): string {
+  const count = poles.length === 1 ? '1 pole' : `${poles.length} poles`;
+  return `${count} switched on: error of the synthesised responses ${fixed(100 * error, 2)} %.`;
+}
+
 class IdentificationSection {
   private readonly data: Identification;
   private readonly choice: Choice;
-  private readonly fitter: Fitter;
+  private readonly fitter: Promise<Fitter>;
   private readonly chart: Chart;
   private readonly plots: ResponsePlots;
   private readonly table: PoleTable;
@@ -59,14 +65,19 @@ class IdentificationSection {
   private readonly shape: MovingShape | null;
   private readonly switchButton = button('Switch off', () => this.switchSelected(), { 'data-control': 'selected-switch' });
   private selected: Selected | null = null;
-  private fit!: Fit;
+  /** The last one that the core has answered. */
+  private fit: Fit | null = null;
+  /** What is switched on, a new list for every change. */
+  private active: ChosenPole[] = [];
+  /** Until what was chosen last is fitted and shown. */
+  private ready = Promise.resolve();
   private output = 0;
   private input = 0;
 
   constructor(state: State, host: HTMLElement) {
     this.data = state.report.identification as Identification;
     this.choice = new Choice(this.data);
-    this.fitter = new Fitter(this.data.responses, this.data.taper, this.data.responses.shift_per_s);
+    this.fitter = this.startFitter(state);
     this.chart = new Chart(this.data, this.choice);
     this.plots = new ResponsePlots(this.data);
     this.table = new PoleTable(this.data, this.choice);
@@ -78,6 +89,7 @@ class IdentificationSection {
       this.select({ pole: known, known }, true);
       this.shape?.element.scrollIntoView({ behavior: 'auto', block: 'nearest' });
     };
+    this.error.textContent = 'The core is starting …';
     host.append(...this.parts());
     state.listen((change) => {
       if (change !== 'theme') return;
@@ -184,11 +196,22 @@ class IdentificationSection {
     return { pole: known ?? mark, ...(known ? { known } : {}), mark, order };
   }
 
+  private async startFitter(state: State): Promise<Fitter> {
+    return Fitter.start(await sharedCore(state), this.data);
+  }
+
   private select(selected: Selected, moving: boolean): void {
     this.selected = selected;
     this.chart.select(selected.mark ?? null);
     this.nameSwitch();
-    this.shape?.show(this.shownShape(selected), moving);
+    const found = this.foundShape(selected);
+    if (found) this.shape?.show(this.shownShape(selected, found), moving);
+    else this.queue(() => this.showFitted(selected, moving));
+  }
+
+  /** One after the other: what was chosen meanwhile is seen before the core is asked. */
+  private queue(work: () => Promise<void>): void {
+    this.ready = this.ready.then(work);
   }
 
   private nameSwitch(): void {
@@ -202,17 +225,46 @@ class IdentificationSection {
     else if (known && (known.kind !== 'hand' || known.on)) this.choice.set(known, !known.on);
   }
 
-  /** Of a mode as the program found it; of another pole of the chart from the fit on this page. */
-  private shownShape(selected: Selected): ShownShape {
+  /** Of a mode or a heavily damped pole as the program found it; null: the fit has to tell. */
+  private foundShape({ pole, known }: Selected): Vector | null {
+    if (known?.kind === 'mode') return this.data.modes[known.number - 1].displacement_shape;
+    if (known?.kind !== 'heavy') return null;
+    const { re, im } = this.data.heavily_damped[known.number - 1].shape;
+    return displacementOf(this.data.outputs, pole.pole, re.map((part, o) => ({ re: part, im: im[o] })));
+  }
+
+  /** Of another pole of the chart the shape that it has in the fit, beside the poles that are switched on. */
+  private async showFitted(selected: Selected, moving: boolean): Promise<void> {
+    if (selected !== this.selected) return; // another one was chosen meanwhile
+    const { known, mark } = selected;
+    const pole = (mark ? this.choice.of(mark) : known) ?? selected.pole;
+    let shown: ShownShape;
+    try {
+      const fit = await this.fitWith(pole);
+      const shape = fit.shapes[fit.poles.indexOf(pole)];
+      shown = this.shownShape(selected, displacementOf(this.data.outputs, pole.pole, shape));
+    } catch (error) {
+      shown = { ...this.shownShape(selected, null), problem: coreFailure(error) };
+    }
+    if (selected === this.selected) this.shape?.show(shown, moving);
+  }
+
+  /** What is switched on, and `pole`. */
+  private async fitWith(pole: Pole): Promise<Fit> {
+    const { fit, active } = this;
+    if (fit?.poles === active && active.some((other) => other === pole)) return fit;
+    return (await this.fitter).fit([...active.filter((other) => other !== pole), pole]);
+  }
+
+  private shownShape(selected: Selected, displacement: Vector | null): ShownShape {
     const { pole, known } = selected;
-    const { outputs, modes, comparison } = this.data;
+    const { outputs, comparison } = this.data;
     const number = known?.kind === 'mode' ? known.number : null;
-    const mode = number === null ? null : modes[number - 1];
     const partner = comparison?.pairs.find((p) => p.mode === number)?.model;
     return {
       name: `${poleName(selected)}, ${hertz(pole.frequency_hz)} Hz`,
       caption: number === null ? poleCaption(selected) : this.modeCaption(number),
-      motion: platformMotion(outputs, mode ? mode.displacement_shape : this.fittedShape(pole, known)),
+      motion: displacement && platformMotion(outputs, displacement),
       model: partner?.motion
         ? { name: `${partner.label}, ${hertz(partner.frequency_hz)} Hz`, motion: partner.motion }
         : null,
@@ -233,36 +285,37 @@ class IdentificationSection {
     );
   }
 
-  private fittedShape(pole: Pole, known: ChosenPole | undefined): Vector {
-    const heavy = known?.kind === 'heavy' ? this.data.heavily_damped[known.number - 1] : null;
-    const at = known ? this.choice.active.indexOf(known) : -1;
-    const shape = heavy
-      ? heavy.shape.re.map((re, o) => ({ re, im: heavy.shape.im[o] }))
-      : at >= 0
-        ? this.fit.shapes[at]
-        : this.fitter.fit([...this.choice.active, pole]).shapes[this.choice.active.length];
-    return displacementOf(this.data.outputs, pole.pole, shape);
-  }
-
   private refit(): void {
-    this.fit = this.fitter.fit(this.choice.active);
+    const active = this.choice.active;
+    this.active = active;
     this.nameSwitch();
     this.draw();
+    this.queue(() => this.showFit(active));
+  }
+
+  private async showFit(active: ChosenPole[]): Promise<void> {
+    if (active !== this.active) return; // others were chosen meanwhile
+    let fit: Fit | null = null;
+    let words: string;
+    try {
+      fit = await (await this.fitter).fit(active);
+      words = fitText(fit);
+    } catch (error) {
+      words = coreFailure(error);
+    }
+    if (active !== this.active) return;
+    this.fit = fit;
+    this.error.textContent = words;
+    this.table.showMotions(fit);
+    this.drawResponse();
   }
 
   private draw(): void {
     this.chart.draw();
     this.drawKeys();
     this.table.show(this.fit);
-    this.error.textContent = this.errorText();
     this.drawResponse();
     if (this.data.modes.length > 0) this.macHost.replaceChildren(macTable(this.data));
-  }
-
-  private errorText(): string {
-    const count = this.choice.active.length;
-    const poles = count === 1 ? '1 pole' : `${count} poles`;
-    return `${poles} switched on: error of the synthesised responses ${fixed(100 * this.fit.error, 2)} %.`;
   }
 
   private drawKeys(): void {
@@ -293,22 +346,22 @@ class IdentificationSection {
   }
 
   private drawResponse(): void {
-    const any = this.choice.active.length > 0;
-    this.plots.show(
-      this.output,
-      this.input,
-      any ? this.fit.synthesis(this.output, this.input) : null,
-    );
+    const { fit } = this;
+    const any = fit !== null && fit.poles.length > 0;
+    this.plots.show(this.output, this.input, any ? fit.synthesis(this.output, this.input) : null);
   }
 
   private offerHook(): void {
+    const section = this;
     window.hydrapod.identification = {
+      get ready() {
+        return section.ready;
+      },
       marks: () => this.chart.positions(),
       chosen: () => this.choice.active.map(({ pole }) => pole),
-      error: () => this.fit.error,
-      shapes: () => this.fit.shapes,
-      fitted: (output, input) => this.fit.synthesis(output, input),
-      responseAt: (output, input, frequency) => this.fit.at(output, input, frequency),
+      error: () => this.fit?.error ?? Number.NaN,
+      shapes: () => this.fit?.shapes ?? [],
+      fitted: (output, input) => this.fit?.synthesis(output, input) ?? [],
       shape: {
         jointPositions: (leg, side = 'measured') => this.shape?.jointPositions(leg, side) ?? null,
         motion: () => this.shape?.motion() ?? null,
