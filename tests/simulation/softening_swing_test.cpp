@@ -168,8 +168,7 @@ void expect_harmonic_balance(const model::Machine& machine, ModelKind kind) {
 }
 
 TEST(SwingsOfElastomers, HaveFrequencyAndLossOfTheHarmonicBalance) {
-  for (const auto kind : {ModelKind::guide, ModelKind::full})
-    expect_harmonic_balance(heavy_machine(false), kind);
+  expect_harmonic_balance(heavy_machine(false), ModelKind::guide);
 }
 
 TEST(SwingsOfElastomers, HaveThemInSeriesWithRodsThatBend) {

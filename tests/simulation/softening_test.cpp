@@ -94,19 +94,24 @@ TEST(PlantThatSoftens, IsTheOneWithoutWhereTheOptionOrTheKeyIsOff) {
   EXPECT_EQ(one, other);
 }
 
-/// Also at a pose that is not the one from which offsets count.
+/// As well as without softening, also at a pose that is not the one from which offsets count.
 TEST(PlantThatSoftens, RestsUnderItsWeight) {
   test::Random random(873);
   for (const auto axes : {model::FlexibleAxes::transverse, model::FlexibleAxes::gimbal}) {
     const auto machine = softening_machine(random, axes);
-    const Plant plant(machine, ModelKind::full, {.hydraulics = false, .oil_springs = false});
+    constexpr PlantOptions free{.hydraulics = false, .oil_springs = false};
+    const Plant plant(machine, ModelKind::full, free),
+        hard(without_softening(machine), ModelKind::full, free);
+    const auto largest_rate = [](const Plant& of, const Plant::Rest& rest) {
+      VectorXd rate(rest.x.size());
+      EXPECT_TRUE(of.derivative(0.0, rest.x.data(), rest.input, rate.data()));
+      return rate.cwiseQuotient(of.scales()).cwiseAbs().maxCoeff();  // of the scales per second
+    };
     for (const auto& pose : machine.poses) {
       const auto rest = plant.equilibrium(pose.X_BP);
-      VectorXd rate(rest.x.size());
-      ASSERT_TRUE(plant.derivative(0.0, rest.x.data(), rest.input, rate.data()));
-      const VectorXd scales = plant.scales();
-      const double largest = rate.cwiseQuotient(scales).cwiseAbs().maxCoeff();
-      EXPECT_LT(largest, 1e-7) << pose.name;  // of the scales per second
+      const double found = largest_rate(hard, hard.equilibrium(pose.X_BP));
+      EXPECT_NEAR(largest_rate(plant, rest), found, 1e-9) << pose.name;
+      EXPECT_LT(found, 1e-5) << pose.name;
       const auto out = plant.outputs(rest.x.data(), rest.input);
       EXPECT_NEAR(out.seal_arms_energy, 0.0, 1e-20);
       EXPECT_NEAR(out.dissipation, 0.0, 1e-12);
@@ -122,7 +127,7 @@ TEST(PlantThatSoftens, StaysAtRest) {
   Integrator run(plant, {.relative_tolerance = 1e-9, .absolute_tolerance = 1e-9});
   run.start(0.0, rest.x);
   run.advance(2.0, rest.input);
-  EXPECT_LT((run.state() - rest.x).cwiseQuotient(plant.scales()).cwiseAbs().maxCoeff(), 1e-8);
+  EXPECT_LT((run.state() - rest.x).cwiseQuotient(plant.scales()).cwiseAbs().maxCoeff(), 1e-7);
 }
 
 /// At the reference pose and at another: those without softening, and −1/τ three times per seal.
@@ -191,15 +196,27 @@ void expect_energy_account(const model::Machine& machine, ModelKind kind, test::
 
 TEST(PlantThatSoftens, LosesTheEnergyThatItDissipates) {
   test::Random random(876);
+  const auto that_stands = [](ModelKind kind, const auto& make) {
+    return test::first_machine(make, [&](const model::Machine& machine) {
+      const auto& X_BP = machine.poses.front().X_BP;
+      (void)Plant(machine, kind, springs, X_BP).equilibrium(X_BP);
+    });
+  };
   for (const auto axes : {model::FlexibleAxes::transverse, model::FlexibleAxes::gimbal})
     for (const auto kind : {ModelKind::guide, ModelKind::full}) {
-      expect_energy_account(softening_machine(random, axes), kind, random);
-      auto on_guide = softening_machine(random, axes);
-      for (auto& leg : on_guide.legs) leg.guide_sleeve.gap = 1.7e-4;
-      expect_energy_account(on_guide, kind, random);
-      expect_energy_account(
-          with_softening(test::bending_machine(random, {.axes = axes}), 1.9e-4, softening_time),
-          kind, random);
+      const auto random_one = [&] { return softening_machine(random, axes); };
+      expect_energy_account(that_stands(kind, random_one), kind, random);
+      const auto on_guide = [&] {
+        auto machine = random_one();
+        for (auto& leg : machine.legs) leg.guide_sleeve.gap = 1.7e-4;
+        return machine;
+      };
+      expect_energy_account(that_stands(kind, on_guide), kind, random);
+      const auto bending = [&] {
+        return with_softening(test::bending_machine(random, {.axes = axes}), 1.9e-4,
+                              softening_time);
+      };
+      expect_energy_account(that_stands(kind, bending), kind, random);
     }
 }
 
@@ -357,34 +374,29 @@ TEST(OneSealThatSoftens, TakesOutWhatTheSoftenedLossFactorSays) {
   }
 }
 
-/// Amplitudes held where they are, nothing loaded: the plant is a linear machine whose seals have
-/// the share s of their stiffness, also where rods and cases bend in series with them.
-void expect_poles_of_softer_machine(const model::Machine& machine, ModelKind kind,
-                                    test::Random& random) {
-  const auto& X_BP = machine.poses.back().X_BP;
-  const Plant plant(machine, kind, springs, X_BP);
-  auto x = plant.equilibrium(X_BP).x;
-  auto softer = without_softening(machine);
-  for_softening(plant.layout(), [&](std::size_t i, bool sleeve, int first) {
-    const double ratio = random.uniform(0.4, 2.0);  // A/A_s
-    x[first] = ratio * ratio;
-    const auto& leg = machine.legs[i];
-    const auto& seal = sleeve ? *leg.guide_sleeve.elastomer : *leg.piston_ring->elastomer;
-    const double share = dynamics::softened(seal, ratio * seal.softening_amplitude);
-    auto& of = softer.legs[i];
-    (sleeve ? of.guide_sleeve.stiffness : of.piston_ring->stiffness) *= share;
-  });
-  const auto poles = poles_of(plant, x, {});
-  const auto model = dynamics::linear_model(softer, X_BP, kind);
-  const auto modes = modal::damped_modes(model, modal::normal_modes(model), 0.0);
-  for (const auto& mode : modes) {
-    if (!(mode.pole.imag() > 0.0)) continue;
-    EXPECT_LT(distance(mode.pole, poles), 4e-5) << mode.pole;  // ε of the law moves s by 1e-4 of it
+/// Amplitudes held at random ratios to A_s, nothing loaded, and the machine with the share s of the
+/// stiffness that those leave.
+struct HeldAmplitudes {
+  Plant plant;
+  VectorXd x;
+  model::Machine softer;
+
+  HeldAmplitudes(const model::Machine& machine, const Pose& X_BP, ModelKind kind,
+                 test::Random& random)
+      : plant(machine, kind, springs, X_BP),
+        x(plant.equilibrium(X_BP).x),
+        softer(without_softening(machine)) {
+    for_softening(plant.layout(), [&](std::size_t i, bool sleeve, int first) {
+      const double ratio = random.uniform(0.4, 2.0);
+      x[first] = ratio * ratio;
+      const auto& leg = machine.legs[i];
+      const auto& seal = sleeve ? *leg.guide_sleeve.elastomer : *leg.piston_ring->elastomer;
+      auto& of = softer.legs[i];
+      (sleeve ? of.guide_sleeve.stiffness : of.piston_ring->stiffness) *=
+          dynamics::softened(seal, ratio * seal.softening_amplitude);
+    });
   }
-  const auto hard = dynamics::linear_model(without_softening(machine), X_BP, kind);
-  const auto first = modal::damped_modes(hard, modal::normal_modes(hard), 0.0).front();
-  EXPECT_GT(distance(first.pole, poles), 1e-3);
-}
+};
 
 TEST(PlantThatSoftens, HasThePolesOfSofterSealsAtItsAmplitude) {
   test::Random random(879);
@@ -392,19 +404,66 @@ TEST(PlantThatSoftens, HasThePolesOfSofterSealsAtItsAmplitude) {
     for (const auto kind : {ModelKind::guide, ModelKind::full}) {
       auto machine = softening_machine(random, axes, test::Gravity::none);
       machine.damping.modal_ratio = 0.0;
-      expect_poles_of_softer_machine(machine, kind, random);
-      auto bending = with_softening(
+      const auto& X_BP = machine.poses.back().X_BP;
+      const HeldAmplitudes held(machine, X_BP, kind, random);
+      const auto poles = poles_of(held.plant, held.x, {});
+      const auto modes_of = [&](const model::Machine& of) {
+        const auto model = dynamics::linear_model(of, X_BP, kind);
+        return modal::damped_modes(model, modal::normal_modes(model), 0.0);
+      };
+      for (const auto& mode : modes_of(held.softer)) {
+        if (!(mode.pole.imag() > 0.0)) continue;
+        EXPECT_LT(distance(mode.pole, poles), 1e-4) << mode.pole;  // ε of the law moves s by 1e-4
+      }
+      double farthest = 0.0;
+      for (const auto& mode : modes_of(without_softening(machine)))
+        if (mode.pole.imag() > 0.0) farthest = std::max(farthest, distance(mode.pole, poles));
+      EXPECT_GT(farthest, 1e-2);
+    }
+}
+
+/// Where rods and cases bend in series with the seals: the stiffness of slow motions and that of
+/// motions too fast for the arms to relax. The mass of the bow is that of hard seals, so that poles
+/// differ.
+TEST(PlantThatSoftens, HasTheStiffnessOfSofterSealsInSeriesWithBending) {
+  test::Random random(880);
+  for (const auto axes : {model::FlexibleAxes::transverse, model::FlexibleAxes::gimbal})
+    for (const auto kind : {ModelKind::guide, ModelKind::full}) {
+      const auto machine = with_softening(
           test::bending_machine(random, {.axes = axes, .gravity = test::Gravity::none}), 1.9e-4,
           softening_time);
-      bending.damping.modal_ratio = 0.0;
-      expect_poles_of_softer_machine(bending, kind, random);
+      const auto& X_BP = machine.poses.back().X_BP;
+      const HeldAmplitudes held(machine, X_BP, kind, random);
+      const auto rest = held.plant.equilibrium(X_BP);
+      const Plant softer(held.softer, kind, springs, X_BP);
+      const auto found = held.plant.linearise(held.x, {}).A,
+                 hard = held.plant.linearise(rest.x, {}).A,
+                 wanted = softer.linearise(softer.equilibrium(X_BP).x, {}).A;
+      const Eigen::Index n = softer.layout().velocity() - 1, states = wanted.rows();
+      const Eigen::MatrixXd M = dynamics::linear_model(without_softening(machine), X_BP, kind).M,
+                            M_softer = dynamics::linear_model(held.softer, X_BP, kind).M;
+      const auto fast = [&](const Eigen::MatrixXd& A) -> Eigen::MatrixXd {
+        return A.block(n, 0, n, n);
+      };
+      const auto slow = [&](const Eigen::MatrixXd& A) -> Eigen::MatrixXd {
+        const auto arms = states - 2 * n;
+        return fast(A) - A.block(n, 2 * n, n, arms) * A.block(2 * n, 2 * n, arms, arms)
+                                                          .partialPivLu()
+                                                          .solve(A.block(2 * n, 0, arms, n));
+      };
+      const auto expect_stiffness = [&](const auto& of) {
+        const Eigen::MatrixXd K = M_softer * of(wanted);
+        EXPECT_LT((M * of(found) - K).norm(), 2e-4 * (M * of(hard) - K).norm());  // ε of the law
+      };
+      expect_stiffness(fast);
+      expect_stiffness(slow);
     }
 }
 
 /// Chambers, valves, controller: every integrator comes to the same motion of a machine that
 /// softens much.
 TEST(PlantThatSoftens, IsTheSameUnderAllIntegrators) {
-  const auto machine = with_softening(machine_of("heavy-platform", smooth), 3.1e-6, 0.21);
+  const auto machine = with_softening(machine_of("heavy-platform", smooth), 2.3e-4, 0.21);
   const Plant plant(machine, ModelKind::guide);
   const auto rest = plant.equilibrium(machine.neutral());
   const auto run = [&](Method method, double tolerance) {

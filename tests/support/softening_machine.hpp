@@ -1,8 +1,10 @@
 #pragma once
 /// Machines whose elastomers soften under large amplitudes.
 
+#include <stdexcept>
 #include <string>
 
+#include "hydrapod/base/error.hpp"
 #include "hydrapod/model/machine.hpp"
 
 namespace hydrapod::test {
@@ -37,6 +39,21 @@ inline model::Machine without_softening(model::Machine machine) {
     if (leg.piston_ring && leg.piston_ring->elastomer) leg.piston_ring->elastomer->softening = 0.0;
   }
   return machine;
+}
+
+/// The first of fifty machines with which `stand` succeeds: not every random machine carries its
+/// weight.
+template <class Make, class Stand>
+model::Machine first_machine(const Make& make, const Stand& stand) {
+  for (int trial = 0; trial < 50; ++trial) {
+    const model::Machine machine = make();
+    try {
+      stand(machine);
+      return machine;
+    } catch (const base::ComputationError&) {
+    }
+  }
+  throw std::logic_error("no random machine stands");
 }
 
 }  // namespace hydrapod::test
