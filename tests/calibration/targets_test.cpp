@@ -1,5 +1,6 @@
 /// Targets files: what is read, and what is said of those that cannot be.
 
+#include "hydrapod/base/units.hpp"
 #include "hydrapod/calibration/calibrate.hpp"
 
 #include <gmock/gmock.h>
@@ -14,7 +15,7 @@ namespace {
 
 using namespace observation;
 
-constexpr double two_pi = 2.0 * std::numbers::pi;
+using base::two_pi;
 
 TEST(Targets, AreReadFromToml) {
   const auto [targets, plan] = parse_targets(R"(title = "June"

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <complex>
 #include <filesystem>
-#include <numbers>
 #include <regex>
 
+#include "hydrapod/base/units.hpp"
 #include "support/csv.hpp"
 #include "support/json_fields.hpp"
 
@@ -25,7 +25,7 @@ using testing::HasSubstr;
 using testing::Not;
 
 const std::string published = test::source_file("models/zhang-jiang-2021.toml").string();
-constexpr double two_pi = 2.0 * std::numbers::pi;
+using base::two_pi;
 
 TEST(Bode, TableCountsTheResonancesOfThePaper) {
   const auto result = run_hydrapod({"bode", published});

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <set>
 
+#include "hydrapod/base/units.hpp"
 #include "hydrapod/data/record_io.hpp"
 #include "support/json_fields.hpp"
 #include "support/run_program.hpp"
@@ -16,8 +17,8 @@
 namespace hydrapod::test {
 namespace {
 
+using base::two_pi;
 using testing::HasSubstr;
-constexpr double two_pi = 2.0 * std::numbers::pi;
 
 /// 10 s at 1 kHz: a sine of 40 Hz, one of 180 Hz that is clipped, a constant with gaps.
 data::Record example() {

@@ -4,15 +4,15 @@
 
 #include <cmath>
 #include <limits>
-#include <numbers>
 
+#include "hydrapod/base/units.hpp"
 #include "hydrapod/data/processing.hpp"
 #include "support/random.hpp"
 
 namespace hydrapod::test {
 namespace {
 
-constexpr double two_pi = 2.0 * std::numbers::pi;
+using base::two_pi;
 
 TEST(Welch, SumOfTheDensityIsTheVarianceOfASine) {
   constexpr double rate = 512.0, amplitude = 0.37;

@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
+#include "hydrapod/base/units.hpp"
 #include "hydrapod/data/record_io.hpp"
 #include "said.hpp"
 #include "support/random.hpp"
@@ -15,8 +15,8 @@
 namespace hydrapod::test {
 namespace {
 
+using base::two_pi;
 using testing::HasSubstr;
-constexpr double two_pi = 2.0 * std::numbers::pi;
 
 data::ReadRecordResult table(const std::string& text, const data::ReadOptions& options = {}) {
   const TemporaryFolder folder;

@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <numbers>
 
+#include "hydrapod/base/units.hpp"
 #include "hydrapod/diagnosis/overlays.hpp"
 #include "hydrapod/kinematics/legs.hpp"
 #include "hydrapod/observation/observation.hpp"
@@ -27,7 +27,7 @@ using observation::entry_of;
 using observation::measured_responses;
 using observation::MeasuredAt;
 
-constexpr double two_pi = 2.0 * std::numbers::pi;
+using base::two_pi;
 const MeasuredAt at{"low", {0.137, -0.219, 0.083}};
 
 model::MachineFile heavy() {

@@ -1,4 +1,5 @@
 #include "exact/modal_system.hpp"
+#include "hydrapod/base/units.hpp"
 
 #include <fmt/format.h>
 
@@ -11,7 +12,7 @@ using Complex = std::complex<double>;
 using Eigen::Index;
 
 namespace {
-constexpr double two_pi = 2.0 * std::numbers::pi;
+using base::two_pi;
 }
 
 Eigen::MatrixXcd ModalSystem::response(double frequency) const {

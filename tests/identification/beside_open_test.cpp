@@ -5,6 +5,7 @@
 #include <cmath>
 #include <complex>
 
+#include "hydrapod/base/units.hpp"
 #include "hydrapod/identification/identify.hpp"
 #include "support/calibration_machine.hpp"
 #include "support/random.hpp"
@@ -13,7 +14,7 @@ namespace hydrapod::identification {
 namespace {
 
 using Complex = std::complex<double>;
-constexpr double two_pi = 6.283185307179586;
+using base::two_pi;
 
 struct Pole {
   double hertz, ratio, residue;

@@ -1,6 +1,7 @@
 /// Modes of systems known exactly, without a setting.
 
 #include "hydrapod/identification/identify.hpp"
+#include "hydrapod/base/units.hpp"
 
 #include <gtest/gtest.h>
 
@@ -15,8 +16,8 @@
 namespace hydrapod::identification {
 namespace {
 
+using base::two_pi;
 using Eigen::Index;
-constexpr double two_pi = 2.0 * std::numbers::pi;
 
 FrequencyResponses responses_of(const data::Record& record, int inputs, int block) {
   SpectrumEstimator estimator(record.header, {.block_length = block});

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "hydrapod/base/error.hpp"
+#include "hydrapod/base/units.hpp"
 #include "measured_records.hpp"
 #include "short_records.hpp"
 
@@ -16,7 +17,7 @@ namespace {
 using Kind = data::ResponseWarning::Kind;
 using testing::HasSubstr;
 
-constexpr double two_pi = 2.0 * std::numbers::pi;
+using base::two_pi;
 
 bool is_said_to_be_short(const FrequencyResponses& r) {
   return std::ranges::any_of(r.warnings,

@@ -1,12 +1,12 @@
 /// Cross spectra against what is known of the signals.
 
+#include "hydrapod/base/units.hpp"
 #include "hydrapod/identification/responses.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <stdexcept>
 
 #include "exact/modal_system.hpp"
@@ -15,8 +15,8 @@
 namespace hydrapod::identification {
 namespace {
 
+using base::two_pi;
 using Eigen::Index;
-constexpr double two_pi = 2.0 * std::numbers::pi;
 
 data::Record noise_record(int samples, int channels, std::uint64_t seed) {
   data::Record record{.header = test::header_of(channels, 0, 37.0), .samples = {}};

@@ -1,11 +1,12 @@
 /// From the rig's record to modes, the sharp and weak ones too.
 
+#include "hydrapod/base/units.hpp"
 #include "whole_loop.hpp"
 
 namespace hydrapod::identification {
 namespace {
 
-constexpr double two_pi = 2.0 * std::numbers::pi;
+using base::two_pi;
 
 TEST(WholeLoopLong, PublishedMachineWithBothResonancesInXAndY) {
   const auto machine = simulation::machine_of("zhang-jiang-2021");

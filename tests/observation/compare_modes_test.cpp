@@ -3,8 +3,8 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
-#include <numbers>
 
+#include "hydrapod/base/units.hpp"
 #include "hydrapod/kinematics/legs.hpp"
 #include "hydrapod/modal/mode_table.hpp"
 #include "hydrapod/model/machine_file.hpp"
@@ -14,8 +14,8 @@
 namespace hydrapod::observation {
 namespace {
 
+using base::two_pi;
 using dynamics::ModelKind;
-constexpr double two_pi = 2.0 * std::numbers::pi;
 constexpr double nearly = 1e-3;  // the published coordinates are symmetric to their last digit
 
 model::Machine machine_of(const std::string& file, const std::vector<std::string>& overrides = {}) {

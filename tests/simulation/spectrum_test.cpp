@@ -5,9 +5,9 @@
 
 #include <Eigen/Eigenvalues>
 #include <complex>
-#include <numbers>
 #include <unsupported/Eigen/FFT>
 
+#include "hydrapod/base/units.hpp"
 #include "hydrapod/modal/normal_modes.hpp"
 #include "hydrapod/simulation/closed_loop.hpp"
 #include "support/published_machine.hpp"
@@ -22,7 +22,7 @@ using Eigen::VectorXd;
 using simulation::Integrator;
 using simulation::Plant;
 
-constexpr double two_pi = 2.0 * std::numbers::pi;
+using base::two_pi;
 
 /// Samples of the small displacement from rest: platform at C, rotation vector, flexible
 /// coordinates. One column per sample.
