@@ -171,6 +171,36 @@ void add_gimbals(const model::MachineFile& file, std::vector<Cause>& all) {
   }
 }
 
+/// Seals of the cylinders that do not slide at the measured amplitude: their bristles are a spring
+/// beside the oil, which makes the leg stiffer at every extension alike. It is no stiffer than what
+/// friction can be over the way on which it builds up: presliding displacements of seals and other
+/// dry contacts are 5 to 50 µm. Where a part of the bristles slides, it is any softer.
+void add_sticking_seals(const model::MachineFile& file, std::vector<Cause>& all) {
+  constexpr double shortest_way = 5e-6;         // [m]
+  constexpr double most_friction = 0.05;        // of A_p p_s; with O-rings 0.01
+  constexpr double least = 1e-4, start = 0.01;  // of the oil spring
+  if (model::leg_type(file.machine) != model::LegType::cylinder) return;
+  const auto lengths = kinematics::leg_lengths(file.machine, file.machine.neutral());
+  for (const auto leg : all_and_each) {
+    const auto& of = leg_of(file, leg);
+    const auto axis = hydraulics::servo_axis(file.machine, leg.value_or(0));
+    const double force =
+        std::max(axis.friction.breakaway,
+                 most_friction * axis.area.piston * file.machine.hydraulics.supply.pressure);
+    const double k_h = hydraulics::oil_stiffness(of, lengths[leg.value_or(0)] - of.rod.length);
+    const double stated = of.stick_stiffness, begin = stated > 0.0 ? stated : start * k_h;
+    const auto path = leg_path(leg, "stick_stiffness");
+    Cause cause{Cause::Kind::sticking_seals,
+                leg,
+                {{.paths = {path},
+                  .start = begin,
+                  .lower = std::min(begin, least * k_h),
+                  .upper = std::max(begin, force / shortest_way)}}};
+    if (begin != stated) cause.changes = {change(file, path, begin)};
+    all.push_back(cause);
+  }
+}
+
 /// The platform and what stands on it.
 void add_platform(const model::MachineFile& file, std::vector<Cause>& all) {
   constexpr double most = 3.0;
@@ -377,6 +407,7 @@ constexpr std::array kinds{OfKind{Cause::Kind::guide_sleeves, Family::guide_slee
                            OfKind{Cause::Kind::cap_volume, Family::leg_axes, alone},
                            OfKind{Cause::Kind::rod_volume, Family::leg_axes, alone},
                            OfKind{Cause::Kind::gimbals, Family::leg_axes, alone},
+                           OfKind{Cause::Kind::sticking_seals, Family::leg_axes, alone},
                            OfKind{Cause::Kind::payload, Family::platform},
                            OfKind{Cause::Kind::payload_height, Family::platform, alone},
                            OfKind{Cause::Kind::inertia, Family::platform},
@@ -408,8 +439,8 @@ bool Cause::in_pairs() const { return of(kind).in_pairs; }
 std::vector<Cause> causes_of(const model::MachineFile& file) {
   std::vector<Cause> all;
   for (const auto add : {add_struts_and_screws, add_guide_sleeves, add_piston_rings, add_oil,
-                         add_gimbals, add_platform, add_base, add_oil_lines, add_leakage,
-                         add_payload_modes, add_bending, add_elastomers})
+                         add_gimbals, add_sticking_seals, add_platform, add_base, add_oil_lines,
+                         add_leakage, add_payload_modes, add_bending, add_elastomers})
     add(file, all);
   return all;
 }

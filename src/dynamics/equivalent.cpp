@@ -90,8 +90,7 @@ GuideEquivalent guide_equivalent(const model::GuideSleeve& sleeve, const Vector2
 }
 
 double softened(const model::Elastomer& elastomer, double amplitude) {
-  constexpr double exponent = 1.2;  // 2m with m = 0.6 of Kraus, found for most filled rubbers
-  const double r = std::pow(amplitude / elastomer.softening_amplitude, exponent);
+  const double r = std::pow(amplitude / elastomer.softening_amplitude, softening_exponent);
   return 1.0 - elastomer.softening * r / (1.0 + r);
 }
 

@@ -326,6 +326,7 @@ void add_seals(const LegsInMotion& at, const LegSurroundings& around,
     for (int k = 0; k < 2; ++k) r[5 + k] += sleeve[k] + legs.k_g * offset[k] + ring_damper[k];
     about_n += cross(offset, ring_damper);
   }
+  if (around.seals_press) about_n += around.frame_moment;
   if (!around.spinning) r[0] += at.sine * about_n;
 }
 

@@ -58,8 +58,9 @@ struct LegSurroundings {
   Vector3 omega;        ///< of the platform, in B
   Vector3L joint_bias;  ///< acceleration of the joints at zero (v̇; ω̇), in B
   Lanes axial_force;    ///< on the pistons along s
-  bool seals_press{};   ///< the next two count: Loads::sleeve, Loads::ring
+  bool seals_press{};   ///< the next ones count: Loads::sleeve, Loads::ring, Loads::frame_moment
   Vector2L sleeve_force{}, ring_force{};
+  Lanes frame_moment{};
 };
 
 /// Mass part only: A_inverse, M_cc, X, M_ff, M_ff_inverse.

@@ -383,6 +383,7 @@ LegSurroundings NonlinearModel::surroundings(const Motion& motion, const Loads& 
     around.sleeve_force[k] = gather([&](int i) { return loads.sleeve[i][k]; });
     around.ring_force[k] = gather([&](int i) { return loads.ring[i][k]; });
   }
+  around.frame_moment = gather([&](int i) { return loads.frame_moment[i]; });
   return around;
 }
 

@@ -45,8 +45,9 @@ void fill_chambers(const model::Machine& machine, LinearModel& model) {
     const auto spring = hydraulics::relaxing_spring(
         chambers, leg.gimbal_stiffness ? 1.0 / *leg.gimbal_stiffness : 0.0);
     const Matrix7 along = element.s_x * element.s_x.transpose();
-    element.K += (spring.closed() - element.k_h) * along;
-    element.k_h = spring.closed();
+    const double stiffness = spring.closed() + leg.stick_stiffness;
+    element.K += (stiffness - element.k_h) * along;
+    element.k_h = stiffness;
     element.C += axis.friction.viscous * along;
     for (std::size_t j = 0; j < 2; ++j)
       model.arms.push_back(

@@ -25,6 +25,7 @@ bool concerns(std::string_view path, const FmuMachine& fmu) {
   if (path.starts_with("controller.")) return fmu.controlled;
   // The number of segments says which states there are.
   const bool waves = fmu.hydraulics && fmu.machine.hydraulics.lines.segments > 0.0;
+  if (path == "legs.stick_stiffness") return !fmu.hydraulics;  // of linear models
   if (path.starts_with("lines.")) return waves && path != "lines.segments";
   return fmu.hydraulics || !std::ranges::any_of(of_oil, begins);
 }
@@ -86,17 +87,21 @@ constexpr std::array of_equations{"environment.gravity",
 
 /// Can it change during a simulation, with states that mean the same before and after? Where
 /// gimbals or the base are compliant, lengths are counted from the rest under the load at the
-/// start. A cylinder that is not given has an area by the platform's weight and the supply
-/// pressure.
+/// start; so is what elastomers soften from. A cylinder that is not given has an area by the
+/// platform's weight and the supply pressure.
 bool is_tunable(const model::Machine& machine, std::string_view row) {
   const auto is = [&](std::string_view one) {
     return row == one ||
            (row.starts_with(one) && row.size() > one.size() && row[one.size()] == '.');
   };
   if (std::ranges::none_of(of_equations, is)) return false;
+  const auto softens = [](const std::optional<model::Elastomer>& seal) {
+    return seal && seal->softening > 0.0;
+  };
   const bool counts_from_rest =
-      machine.base_mount || std::ranges::any_of(machine.legs, [](const auto& leg) {
-        return leg.gimbal_stiffness.has_value();
+      machine.base_mount || std::ranges::any_of(machine.legs, [&](const auto& leg) {
+        return leg.gimbal_stiffness || softens(leg.guide_sleeve.elastomer) ||
+               (leg.piston_ring && softens(leg.piston_ring->elastomer));
       });
   if (counts_from_rest && std::ranges::any_of(of_rest, is)) return false;
   const bool area_by_load = std::ranges::any_of(machine.legs, [](const auto& leg) {

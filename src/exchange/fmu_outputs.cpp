@@ -18,7 +18,8 @@ constexpr unsigned pose_parts = part::position | part::orientation;
 constexpr unsigned leg_stretch = pose_parts | part::flexible;
 constexpr unsigned leg_speed = leg_stretch | part::velocity | part::turning | part::flexible_rate;
 constexpr unsigned accelerations = leg_speed | part::pressure | part::bristle | part::base |
-                                   part::base_rate | part::axial | part::wrench;
+                                   part::base_rate | part::axial | part::wrench | part::arms |
+                                   part::payload;
 
 double pose_coordinate(const PlantOutput& out, int k) {
   return k < 3 ? out.X_BP.p_BP[k] : spatial::rpy_from_rotation(out.X_BP.R_BP)[k - 3];

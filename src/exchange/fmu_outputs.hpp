@@ -24,7 +24,9 @@ inline constexpr unsigned base_rate = 1U << 13U;
 inline constexpr unsigned valve = 1U << 14U;  ///< command
 inline constexpr unsigned axial = 1U << 15U;  ///< force
 inline constexpr unsigned wrench = 1U << 16U;
-inline constexpr unsigned inflow = 1U << 17U;  ///< into the chambers: of valves or lines
+inline constexpr unsigned inflow = 1U << 17U;   ///< into the chambers: of valves or lines
+inline constexpr unsigned arms = 1U << 18U;     ///< of elastomers, with what says how soft they are
+inline constexpr unsigned payload = 1U << 19U;  ///< its modes, with their rates
 }  // namespace part
 
 struct FmuOutput {

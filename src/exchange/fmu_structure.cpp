@@ -11,6 +11,29 @@ namespace {
 using model::leg_count;
 using simulation::Plant;
 
+/// Where the states of a seal stand, −1 for what it has not.
+struct Seal {
+  static constexpr int arm_states = 2 * static_cast<int>(dynamics::arms_per_seal);
+  static constexpr int softening_states = 3;
+
+  int leg{};
+  bool sleeve{};  ///< else the piston ring
+  int arms{}, softening{};
+
+  Seal(const simulation::StateLayout& layout, int of_leg, bool of_sleeve)
+      : leg(of_leg),
+        sleeve(of_sleeve),
+        arms((sleeve ? layout.sleeve_arms : layout.ring_arms)[static_cast<std::size_t>(leg)]),
+        softening((sleeve ? layout.sleeve_softening
+                          : layout.ring_softening)[static_cast<std::size_t>(leg)]) {}
+  [[nodiscard]] bool has_arm(int k) const {
+    return arms >= 0 && k >= arms && k < arms + arm_states;
+  }
+  [[nodiscard]] bool has_softening(int k) const {
+    return softening >= 0 && k >= softening && k < softening + softening_states;
+  }
+};
+
 /// Knowns of an unknown, as they are collected.
 class Knowns {
  public:
@@ -54,6 +77,9 @@ class Knowns {
     for (int i = 0; i < leg_count; ++i)
       if (leg < 0 || leg == i) of_leg(parts, i);
     if ((parts & part::supply) != 0 && layout_.supply >= 0) state(layout_.supply);
+    if ((parts & part::payload) != 0)
+      for (const int end : {layout_.positions, layout_.positions + layout_.velocities})
+        states(end - layout_.payload, layout_.payload);
     const int base = plant_.base().count;
     if ((parts & part::base) != 0) states(layout_.base, base);
     if ((parts & part::base_rate) != 0) states(layout_.base + base, base);
@@ -81,6 +107,12 @@ class Knowns {
     if ((parts & part::spool_rate) != 0 && oil) state(layout_.spool(i) + 1);
     if ((parts & part::bristle) != 0 && plant_.axis(i).friction.has_bristles() && oil)
       state(layout_.bristles + i);
+    if ((parts & part::arms) != 0)
+      for (const bool sleeve : {true, false}) {
+        const Seal seal(layout_, i, sleeve);
+        if (seal.arms >= 0) states(seal.arms, Seal::arm_states);
+        if (seal.softening >= 0) state(seal.softening);
+      }
     if ((parts & part::valve) != 0 && oil && !controlled_) input(i);
     if ((parts & part::axial) != 0 && !oil) input(i);
   }
@@ -128,6 +160,35 @@ void of_line(int k, int chamber, const simulation::StateLayout& layout, Knowns& 
   knowns.state(first + k);
 }
 
+/// The offset along an axis at a seal, which its own force moves where rod and case bend.
+void of_offset(const Seal& seal, int axis, const Plant& plant, Knowns& knowns) {
+  if (!seal.sleeve) {
+    const int flexible = plant.mechanics().flexible();
+    return knowns.state(7 + flexible * seal.leg + 2 + axis);
+  }
+  knowns.parts(fmu_stretch_parts(), seal.leg);
+  const bool bends = plant.machine().legs[static_cast<std::size_t>(seal.leg)].bending ==
+                     model::LegBending::elastic;
+  if (!bends || seal.softening < 0) return;
+  for (int j = 0; j < Seal::arm_states; j += 2) knowns.state(seal.arms + j + axis);
+  knowns.state(seal.softening);
+}
+
+/// State `k`, along one axis of a frame that turns against the case with transverse axes.
+void of_seal(int k, const Seal& seal, const Plant& plant, Knowns& knowns) {
+  knowns.state(k);
+  if (k == seal.softening) {
+    knowns.states(k + 1, 2);
+    for (const int axis : {0, 1}) of_offset(seal, axis, plant, knowns);
+    return;
+  }
+  const int axis = (k - (seal.has_arm(k) ? seal.arms : seal.softening + 1)) % 2;
+  of_offset(seal, axis, plant, knowns);
+  if (plant.machine().flexible_axes == model::FlexibleAxes::gimbal) return;
+  knowns.state(axis == 0 ? k + 1 : k - 1);
+  knowns.parts(fmu_speed_parts(), seal.leg);
+}
+
 void of_derivative(int k, const Plant& plant, Knowns& knowns) {
   const auto& layout = plant.layout();
   const int base = plant.base().count;
@@ -156,6 +217,10 @@ void of_derivative(int k, const Plant& plant, Knowns& knowns) {
     if (first >= 0 && k >= first && k < first + layout.line_states)
       return of_line(k - first, chamber, layout, knowns);
   }
+  for (int leg = 0; leg < leg_count; ++leg)
+    for (const bool sleeve : {true, false})
+      if (const Seal seal(layout, leg, sleeve); seal.has_arm(k) || seal.has_softening(k))
+        return of_seal(k, seal, plant, knowns);
   if (k < layout.base + base) return knowns.state(k + base, true);
   knowns.parts(fmu_acceleration_parts(), -1);
 }

@@ -115,9 +115,10 @@ AxialSpring axial_spring(const model::Leg& leg, double l_m) {
   const double damping = leg.strut   ? leg.strut->damping
                          : leg.screw ? leg.screw->damping
                                      : leg.oil_spring.damping;
-  if (!leg.gimbal_stiffness) return {k_h, damping};
+  const double k_b = leg.stick_stiffness;
+  if (!leg.gimbal_stiffness) return {k_h + k_b, damping};
   const double share = *leg.gimbal_stiffness / (k_h + *leg.gimbal_stiffness);
-  return {k_h * share, damping * share * share};
+  return {k_h * share + k_b, damping * share * share};
 }
 
 }  // namespace hydrapod::hydraulics

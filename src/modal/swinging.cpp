@@ -69,11 +69,18 @@ hydraulics::Friction joint_law(const model::JointFriction& given) {
   return law;
 }
 
+/// Bristles say at every amplitude how much of them sticks.
+model::Machine with_bristles_alone(model::Machine machine) {
+  for (auto& leg : machine.legs)
+    if (leg.hydraulics.friction.bristles) leg.stick_stiffness = 0.0;
+  return machine;
+}
+
 }  // namespace
 
 Swinging::Swinging(const model::Machine& machine, const spatial::Pose& X_BP,
                    dynamics::ModelKind kind)
-    : machine_(dynamics::with_pressed_seals(machine, kind, X_BP)),
+    : machine_(dynamics::with_pressed_seals(with_bristles_alone(machine), kind, X_BP)),
       linear_(dynamics::linear_model(machine_, X_BP, kind)),
       modes_(normal_modes(linear_)),
       arms_(linear_.arms),

@@ -50,6 +50,11 @@ void drop_ratio(Machine& machine, int leg) {
 
 constexpr Bound above_one{.lowest = 1.0, .more_than_lowest = true, .expected = "more than 1"};
 
+constexpr std::string_view softening_of(std::string_view path) {
+  return path.starts_with("legs.guide_sleeve") ? "legs.guide_sleeve.elastomer.softening"
+                                               : "legs.piston_ring.elastomer.softening";
+}
+
 /// The keys of a seal's elastomer; `seal`: the way to it.
 template <int which, auto... seal>
 constexpr ParameterRow of_elastomer(std::string_view path) {
@@ -81,20 +86,26 @@ constexpr ParameterRow of_elastomer(std::string_view path) {
     return number<seal..., &Elastomer::softening>(
         path, "1", standard, below_one,
         "share of `stiffness` that large amplitudes take away (Payne effect); used by `modes "
-        "--amplitude`");
+        "--amplitude` and simulations");
   if constexpr (which == 5)
-    return used_with(path.starts_with("legs.guide_sleeve") ? "legs.guide_sleeve.elastomer.softening"
-                                                           : "legs.piston_ring.elastomer.softening",
+    return used_with(softening_of(path),
                      number<seal..., &Elastomer::softening_amplitude>(
                          path, "m", standard, usual(1e-6, 1e-2, positive),
                          "amplitude at which half of `softening` is reached; used with "
                          "`softening`"));
   if constexpr (which == 6)
+    return used_with(softening_of(path),
+                     number<seal..., &Elastomer::softening_time>(
+                         path, "s", standard, usual(1e-2, 1e3, positive),
+                         "τ of simulations, in which the seal softens and recovers: the amplitude "
+                         "is a running mean over it, much longer than a period; used with "
+                         "`softening`"));
+  if constexpr (which == 7)
     return number<seal..., &Elastomer::pressure_stiffening>(
         path, "1/Pa", standard, usual(1e-10, 1e-6, not_negative),
         "growth of `stiffness` per pressure above that of the atmosphere: of the rod side at the "
         "guide sleeve, of the mean of both sides at the piston ring");
-  if constexpr (which == 7) {
+  if constexpr (which == 8) {
     auto made = row(Kind::rows, path, {}, optional, {},
                     "in place of `dynamic_ratio`, `loss_factor` and `frequency`: measured rows of "
                     "frequency [Hz], `dynamic_ratio` and `loss_factor`, to which three arms are "
@@ -104,15 +115,15 @@ constexpr ParameterRow of_elastomer(std::string_view path) {
     made.numbers = 0;
     return made;
   }
-  if constexpr (which == 8)
+  if constexpr (which == 9)
     return instead_of(
         drop_ratio<seal...>,
         table(path, optional,
               "in place of the same: three Maxwell arms (Prony series) beside `stiffness`"));
-  if constexpr (which == 9)
+  if constexpr (which == 10)
     return number<seal..., &Elastomer::arms, &MaxwellArms::strength>(
         path, "1", required, not_negative, "g, spring of each arm over `stiffness`");
-  if constexpr (which == 10)
+  if constexpr (which == 11)
     return number<seal..., &Elastomer::arms, &MaxwellArms::time>(
         path, "s", required, usual(1e-7, 1e5, positive), "τ, time in which each arm relaxes");
 }
@@ -147,6 +158,13 @@ constexpr ParameterRow leg_rows[]{
                                          "k_j, of both gimbals and their fastening along the "
                                          "leg, in series with the oil spring",
                                          shown("300 kN/mm"))),
+    alone(number<&Leg::stick_stiffness>(
+        "legs.stick_stiffness", "N/m", standard, {.lowest = 0.0, .highest = stiffest},
+        "k_b, of cylinder seals that stick instead of sliding at the amplitude of the motion, "
+        "along "
+        "the leg, parallel to the oil spring; linear models only, simulations and `modes "
+        "--amplitude` have `friction.bristles`",
+        shown("20 kN/mm"))),
     word<&Leg::bending>(
         "legs.bending", bending_words,
         "whether rod and case bend under the lateral force at the guide sleeve: `\"rigid\"`, or "
@@ -236,14 +254,16 @@ constexpr ParameterRow leg_rows[]{
     of_elastomer<5, &Leg::guide_sleeve, &GuideSleeve::elastomer>(
         "legs.guide_sleeve.elastomer.softening_amplitude"),
     of_elastomer<6, &Leg::guide_sleeve, &GuideSleeve::elastomer>(
-        "legs.guide_sleeve.elastomer.pressure_stiffening"),
+        "legs.guide_sleeve.elastomer.softening_time"),
     of_elastomer<7, &Leg::guide_sleeve, &GuideSleeve::elastomer>(
-        "legs.guide_sleeve.elastomer.table"),
+        "legs.guide_sleeve.elastomer.pressure_stiffening"),
     of_elastomer<8, &Leg::guide_sleeve, &GuideSleeve::elastomer>(
-        "legs.guide_sleeve.elastomer.arms"),
+        "legs.guide_sleeve.elastomer.table"),
     of_elastomer<9, &Leg::guide_sleeve, &GuideSleeve::elastomer>(
-        "legs.guide_sleeve.elastomer.arms.strength"),
+        "legs.guide_sleeve.elastomer.arms"),
     of_elastomer<10, &Leg::guide_sleeve, &GuideSleeve::elastomer>(
+        "legs.guide_sleeve.elastomer.arms.strength"),
+    of_elastomer<11, &Leg::guide_sleeve, &GuideSleeve::elastomer>(
         "legs.guide_sleeve.elastomer.arms.time"),
     table("legs.piston_ring", optional,
           "the O-ring under the piston's ring; without the table it is rigid"),
@@ -264,12 +284,14 @@ constexpr ParameterRow leg_rows[]{
     of_elastomer<5, &Leg::piston_ring, &PistonRing::elastomer>(
         "legs.piston_ring.elastomer.softening_amplitude"),
     of_elastomer<6, &Leg::piston_ring, &PistonRing::elastomer>(
+        "legs.piston_ring.elastomer.softening_time"),
+    of_elastomer<7, &Leg::piston_ring, &PistonRing::elastomer>(
         "legs.piston_ring.elastomer.pressure_stiffening"),
-    of_elastomer<7, &Leg::piston_ring, &PistonRing::elastomer>("legs.piston_ring.elastomer.table"),
-    of_elastomer<8, &Leg::piston_ring, &PistonRing::elastomer>("legs.piston_ring.elastomer.arms"),
-    of_elastomer<9, &Leg::piston_ring, &PistonRing::elastomer>(
-        "legs.piston_ring.elastomer.arms.strength"),
+    of_elastomer<8, &Leg::piston_ring, &PistonRing::elastomer>("legs.piston_ring.elastomer.table"),
+    of_elastomer<9, &Leg::piston_ring, &PistonRing::elastomer>("legs.piston_ring.elastomer.arms"),
     of_elastomer<10, &Leg::piston_ring, &PistonRing::elastomer>(
+        "legs.piston_ring.elastomer.arms.strength"),
+    of_elastomer<11, &Leg::piston_ring, &PistonRing::elastomer>(
         "legs.piston_ring.elastomer.arms.time"),
     table("legs.oil_spring", required,
           "the oil along the leg: either `stiffness`, or the table `cylinder`"),

@@ -42,8 +42,9 @@ std::string_view axial_part(LegType type) {
 }
 
 bool belongs_to(LegType type, std::string_view path) {
-  constexpr std::array<std::string_view, 6> of_oil{
-      "oil_spring", "valve", "leakage", "friction", "end_stops", "equivalent_cylinder"};
+  constexpr std::array<std::string_view, 7> of_oil{
+      "oil_spring",          "valve",          "leakage", "friction", "end_stops",
+      "equivalent_cylinder", "stick_stiffness"};
   constexpr std::array<std::string_view, 7> of_cylinders{
       "case", "rod", "guide_sleeve", "piston_ring", "stroke", "bending", "added_axial_inertia"};
   if (!path.starts_with(of_legs)) return true;

@@ -231,7 +231,7 @@ int nearest_mode(const Observation& seen, const ObservedMode& mode) {
 
 std::string_view description(Observed observed) {
   constexpr std::array<std::string_view, 3> descriptions{
-      "mechanics with oil springs", "mechanics and actuators, without controller",
+      "mechanics, legs as springs", "mechanics and actuators, without controller",
       "mechanics, actuators and controller"};
   return descriptions[static_cast<std::size_t>(observed)];
 }

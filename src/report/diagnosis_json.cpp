@@ -207,12 +207,12 @@ namespace {
 template <class Fields>
 void describe_cause(Fields& f, Cause& cause) {
   static constexpr std::array kinds{
-      "guide_sleeves", "piston_rings",     "bulk_modulus",    "oil_springs",    "air",
-      "cap_volume",    "rod_volume",       "gimbals",         "payload",        "payload_height",
-      "inertia",       "mass_and_inertia", "mass_center",     "base_lateral",   "base_vertical",
-      "base_rocking",  "oil_lines",        "leakage",         "payload_sways",  "payload_heaves",
-      "payload_modes", "rods_bend",        "elastomer_ratio", "elastomer_loss", "struts",
-      "screws"};
+      "guide_sleeves",  "piston_rings",  "bulk_modulus",     "oil_springs",     "air",
+      "cap_volume",     "rod_volume",    "gimbals",          "sticking_seals",  "payload",
+      "payload_height", "inertia",       "mass_and_inertia", "mass_center",     "base_lateral",
+      "base_vertical",  "base_rocking",  "oil_lines",        "leakage",         "payload_sways",
+      "payload_heaves", "payload_modes", "rods_bend",        "elastomer_ratio", "elastomer_loss",
+      "struts",         "screws"};
   static constexpr std::array families{"guide sleeves", "piston rings", "leg axes",  "platform",
                                        "mass centre",   "base",         "oil lines", "leakage",
                                        "payload modes", "bending",      "elastomers"};

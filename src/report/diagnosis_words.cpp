@@ -52,6 +52,12 @@ constexpr std::array cause_words{
                "the oil volume on the rod side of leg {} differs from the nominal value"},
     CauseWords{"gimbals of all legs", "the gimbals of all legs are compliant or have free play",
                "gimbals of leg {}", "a gimbal of leg {} is compliant or has free play"},
+    CauseWords{"sticking cylinder seals of all legs",
+               "the seals of all cylinders stick instead of sliding at the measured amplitude: a "
+               "spring parallel to the oil",
+               "sticking cylinder seals of leg {}",
+               "the cylinder seals of leg {} stick instead of sliding at the measured amplitude: a "
+               "spring parallel to the oil"},
     CauseWords{"payload (platform mass)",
                "the mass of platform and payload differs from the nominal mass", "", ""},
     CauseWords{"payload at another height",

@@ -100,13 +100,11 @@ Plant::Plant(const model::Machine& machine, ModelKind kind, const PlantOptions& 
   layout_ = make_layout(mechanics_, options, axes_);
   set_lines();
   set_base(X_reference);
-  set_arms();
-  if (layout_.arms >= 0 && model::has_elastic_legs(machine))
-    bend_arms(mechanics_, X_reference, sleeve_arms_);
+  set_arms(X_reference);
   set_gimbals(X_reference);
   if (!options.hydraulics) set_springs(X_reference);
   if (layout_.nuts >= 0) set_drives();
-  set_oil_constants();
+  set_oil_constants(X_reference);
 }
 
 /// Valves closed in the equilibrium at the reference pose. Without hydraulics the cylinder is not
@@ -126,7 +124,8 @@ void Plant::set_springs(const Pose& X_reference) {
     const double s = motion.legs[i].s;
     const auto axial = hydraulics::axial_spring(machine_.legs[i], s);
     springs_[i] = {statics.legs[i].oil_force, axial.stiffness,
-                   axial.damping + machine_.damping.rayleigh_stiffness * axial.stiffness, s};
+                   axial.damping + machine_.damping.rayleigh_stiffness * axial.stiffness, s,
+                   machine_.legs[i].stick_stiffness};
   }
 }
 
@@ -136,8 +135,9 @@ double Plant::spring_side(int i, const LegMotion& motion, const PlantInput& inpu
   const auto& gimbals = gimbals_[i];
   out.oil_force = options_.oil_springs ? -spring.force - spring.stiffness * (motion.s - spring.s)
                                        : input.axial[i];
-  out.piston = motion.s + gimbals.compliance * (out.oil_force - gimbals.force);
-  out.piston_rate = motion.s_rate * (1.0 - gimbals.compliance * spring.stiffness);
+  const double through_gimbals = out.oil_force + spring.stick * (motion.s - spring.s);
+  out.piston = motion.s + gimbals.compliance * (through_gimbals - gimbals.force);
+  out.piston_rate = motion.s_rate * (1.0 - gimbals.compliance * (spring.stiffness - spring.stick));
   out.friction_force = -spring.damping * motion.s_rate;
   out.stop_force = hydraulics::stop_force(axes_[i].stops, motion.s, motion.s_rate);
   return out.oil_force + out.friction_force + out.stop_force;

@@ -32,7 +32,7 @@ constexpr Kind length{"m", 1e-2, 3e-4}, turn{"1", 1e-2, 3e-4}, tilt{"rad", 1e-2,
     line_flow{"m^3/s", 1e-3, 1e-6}, spool{"1", 0.1, 3e-5}, spool_rate{"1/s", 10.0, 1e-2},
     bristle{"m", 1e-5, 1e-8}, base_shift{"m", 1e-2, 1e-5}, base_turn{"rad", 1e-2, 1e-5},
     base_shifting{"m/s", 0.1, 1e-4}, base_turning{"rad/s", 0.1, 1e-4}, arm{"m", 1e-4, 1e-6},  //
-    swing{"m", 0.1, 3e-3}, swinging{"m/s", 1.0, 1e-4}, nut{"m", 1e-2, 1e-5},
+    square{"1", 0.1, 1e-5}, swing{"m", 0.1, 3e-3}, swinging{"m/s", 1.0, 1e-4}, nut{"m", 1e-2, 1e-5},
     nut_rate{"m/s", 0.1, 1e-5}, torque{"N m", 10.0, 1e-3};
 
 struct Described {
@@ -68,6 +68,20 @@ void add_arms(const StateLayout& layout, std::vector<Described>& all) {
   };
   add(layout.sleeve_arms, "sleeve");
   add(layout.ring_arms, "ring");
+}
+
+/// In the same order.
+void add_softening(const StateLayout& layout, std::vector<Described>& all) {
+  const auto add = [&](const std::array<int, leg_count>& first, const char* seal) {
+    for (size_t leg = 0; leg < leg_count; ++leg) {
+      if (first[leg] < 0) continue;
+      all.push_back({fmt::format("leg{}.{}_amplitude_square", leg + 1, seal), square});
+      for (const char* axis : {"t", "a2"})
+        all.push_back({fmt::format("leg{}.{}_mean_{}", leg + 1, seal, axis), arm});
+    }
+  };
+  add(layout.sleeve_softening, "sleeve");
+  add(layout.ring_softening, "ring");
 }
 
 void add_lines(const StateLayout& layout, std::vector<Described>& all) {
@@ -119,6 +133,7 @@ std::vector<Described> described(const StateLayout& layout,
   add_base(base, "", base_shift, base_turn, all);
   add_base(base, "_rate", base_shifting, base_turning, all);
   add_arms(layout, all);
+  add_softening(layout, all);
   return all;
 }
 

@@ -1,5 +1,6 @@
 /// The hydraulics of all legs at once.
 
+#include <algorithm>
 #include <new>
 
 #include "plant_work.hpp"
@@ -20,7 +21,7 @@ void for_line_ends(const StateLayout& layout, const Each& each) {
 
 }  // namespace
 
-void Plant::set_oil_constants() {
+void Plant::set_oil_constants(const Pose& X_reference) {
   auto constants = std::make_shared<OilConstants>();
   constants->axis = hydraulics::side_by_side(axes_);
   const auto gimbals = [this](int i) -> const auto& { return gimbals_[static_cast<size_t>(i)]; };
@@ -28,6 +29,21 @@ void Plant::set_oil_constants() {
   constants->gimbal_force = numerics::gather([&](int i) { return gimbals(i).force; });
   constants->gimbals = numerics::any_less(0.0, constants->gimbal_compliance);
   constants->bristles = constants->axis.friction.has_bristles();
+  // with all friction they slide, or have bristles
+  const auto& legs = machine_.legs;
+  constants->sticks =
+      options_.friction != Friction::all &&
+      std::ranges::any_of(legs, [](const auto& leg) { return leg.stick_stiffness > 0.0; });
+  if (constants->sticks) {
+    const Eigen::VectorXd y = mechanics_at_rest(X_reference);
+    const Eigen::VectorXd still = Eigen::VectorXd::Zero(layout_.velocities);
+    dynamics::Motion rest;
+    mechanics_.motion(y.data(), still.data(), rest);
+    constants->stick_stiffness =
+        numerics::gather([&](int i) { return legs[static_cast<size_t>(i)].stick_stiffness; });
+    constants->stick_s =
+        numerics::gather([&](int i) { return rest.legs[static_cast<size_t>(i)].s; });
+  }
   oil_constants_ = std::move(constants);
 }
 
@@ -58,7 +74,8 @@ OilState Plant::oil_state(const dynamics::Motion& motion, const double* x,
 
 /// Chamber, spool and bristle rates; forces on the pistons along s.
 OilRates Plant::oil_rates(const OilState& state) const {
-  const auto& [axis, compliance, rest_force, gimbals, bristles] = *oil_constants_;
+  const auto& [axis, compliance, rest_force, stick_stiffness, stick_s, gimbals, bristles, sticks] =
+      *oil_constants_;
   const Lanes back = machine_.hydraulics.supply.return_pressure;
   const Lanes atmosphere = hydraulics::atmospheric_pressure;
   OilRates out;
@@ -101,6 +118,7 @@ OilRates Plant::oil_rates(const OilState& state) const {
     out.friction_force = numerics::where_less(0.0, have, -bent.force, out.friction_force);
     out.bristle = numerics::where_less(0.0, have, bent.rate, 0.0);
   }
+  if (sticks) out.friction_force -= stick_stiffness * (state.s - stick_s);
   out.stop_force = hydraulics::stop_force(axis.stops, state.s, state.s_rate);
   out.cap_flow = flows.cap;
   out.rod_flow = flows.rod;

@@ -9,21 +9,18 @@ namespace hydrapod::simulation {
 using numerics::Lanes;
 
 /// As long as any plant's state, without allocation.
-constexpr int most_states = 2 * dynamics::most_velocities + 1 + 4 * model::leg_count + 1 +
-                            model::leg_count + 12 +
-                            2 * model::leg_count * 2 * model::most_line_segments +
-                            2 * 2 * static_cast<int>(dynamics::arms_per_seal) * model::leg_count;
+constexpr int most_states =
+    2 * dynamics::most_velocities + 1 + 4 * model::leg_count + 1 + model::leg_count + 12 +
+    2 * model::leg_count * 2 * model::most_line_segments +
+    2 * (2 * static_cast<int>(dynamics::arms_per_seal) + 3) * model::leg_count;
 using StateOnStack = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, most_states, 1>;
-
-/// Of guide sleeves in series with rods and cases that bend, at the reference pose.
-void bend_arms(const dynamics::NonlinearModel& mechanics, const Pose& X_reference,
-               std::array<dynamics::SealArms, model::leg_count>& arms);
 
 /// The hydraulics of all legs: constants.
 struct Plant::OilConstants {
   hydraulics::ServoAxisOf<Lanes> axis{};
   Lanes gimbal_compliance{}, gimbal_force{};
-  bool gimbals{}, bristles{};  ///< any?
+  Lanes stick_stiffness{}, stick_s{};    ///< of seals that stick, and where they are not bent
+  bool gimbals{}, bristles{}, sticks{};  ///< any?
 };
 
 /// What the pistons do, and the oil in all legs with its valves. Not set to zero before it is

@@ -72,7 +72,7 @@ bool fits_lanes(const model::Machine& machine) {
          machine.payload_modes.empty() && !model::has_chambers(machine) &&
          !model::has_elastomers(machine) && !model::has_elastic_legs(machine) &&
          std::ranges::none_of(machine.legs, [](const model::Leg& leg) {
-           return leg.guide_sleeve.gap || has_line_inertia(leg);
+           return leg.guide_sleeve.gap || has_line_inertia(leg) || leg.stick_stiffness > 0.0;
          });
 }
 

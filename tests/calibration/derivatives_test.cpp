@@ -162,6 +162,18 @@ TEST(Derivatives, OfDampingResidualsAgreeWithHighOrderDifferences) {
        "leg.2.oil_spring.damping", "legs.guide_sleeve.damping", "damping.modal_ratio"});
 }
 
+/// Seals of the cylinders that stick, of all legs and of one.
+TEST(Derivatives, OfSealsThatStickAgreeWithHighOrderDifferences) {
+  for (const char* oil : {"viscous", "chambers"}) {
+    test::Random random(89);  // whose pistons stand within their strokes
+    expect_derivatives(
+        test::machine_file(test::random_machine_text(random, true),
+                           {fmt::format("damping.oil={}", oil), "damping.modal_ratio=0.0137",
+                            "legs.stick_stiffness=1.3e6", "leg.2.stick_stiffness=3.7e6"}),
+        {"platform.mass", "legs.stick_stiffness", "leg.2.stick_stiffness"});
+  }
+}
+
 /// With chambers: leakage has no effect on undamped frequencies, and all of it on damping ratios.
 TEST(Derivatives, OfDampingResidualsWithChambersAgreeWithHighOrderDifferences) {
   test::Random random(89);

@@ -338,7 +338,7 @@ TEST_F(MeasuredMachine, IsComparedWithItsFile) {
   }
   const auto table = test::run_hydrapod({"identify", path, "--machine", file, "--model", "rigid"});
   EXPECT_THAT(table.out, HasSubstr("Compared with Heavy motion platform, pose neutral, rigid "
-                                   "model: mechanics with oil springs"));
+                                   "model: mechanics, legs as springs"));
 }
 
 TEST_F(MeasuredMachine, ModesThatTheModelLacksAreSaid) {

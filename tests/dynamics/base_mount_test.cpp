@@ -359,5 +359,24 @@ TEST(GimbalStiffness, IsInSeriesWithTheOil) {
   EXPECT_NEAR(spring.damping, series.imag() / w, 1e-9 * spring.damping);
 }
 
+/// Beside oil and gimbals, on which it does not depend, and without a damper of its own.
+TEST(StickStiffness, IsParallelToOilAndGimbals) {
+  auto machine = machine_of(19, true);
+  auto stiffer = machine;
+  const double k_h = *machine.legs[0].oil_spring.stiffness, k_j = 2.7 * k_h, k_b = 0.31 * k_h;
+  for (auto& leg : machine.legs) {
+    leg.gimbal_stiffness = k_j;
+    leg.stick_stiffness = k_b;
+  }
+  for (auto& leg : stiffer.legs) leg.oil_spring.stiffness = 1.0 / (1.0 / k_h + 1.0 / k_j) + k_b;
+  for (const auto kind : all_kinds)
+    EXPECT_LT((frequencies(machine, kind) - frequencies(stiffer, kind)).cwiseAbs().maxCoeff(),
+              1e-9);
+  auto sliding = machine.legs[0];
+  sliding.stick_stiffness = 0.0;
+  EXPECT_EQ(hydraulics::axial_spring(machine.legs[0], 0.4).damping,
+            hydraulics::axial_spring(sliding, 0.4).damping);
+}
+
 }  // namespace
 }  // namespace hydrapod::dynamics

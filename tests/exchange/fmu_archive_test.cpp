@@ -11,8 +11,11 @@
 
 #include "exchange/fmu_driver.hpp"
 #include "exchange/fmu_interface.hpp"
+#include "support/bending_machine.hpp"
 #include "support/loop_machine.hpp"
+#include "support/payload_modes.hpp"
 #include "support/random_machine.hpp"
+#include "support/softening_machine.hpp"
 
 namespace hydrapod::test {
 namespace {
@@ -326,6 +329,24 @@ TEST(FmuArchive, TheStructureIsTrueOfTheMechanics) {
   Random random(11);
   expect_true_structure(random_machine(random, {.gravity = Gravity::down}), false,
                         dynamics::ModelKind::full);
+}
+
+TEST(FmuArchive, TheStructureIsTrueOfPayloadsThatVibrate) {
+  Random random(31);
+  auto machine = random_machine(random, {.gravity = Gravity::down});
+  put_modes_on(machine, 2, random);
+  expect_true_structure(machine, false, dynamics::ModelKind::guide);
+}
+
+/// Arms of the seals, and what says how soft they are: also where rods and cases bend in series.
+TEST(FmuArchive, TheStructureIsTrueOfElastomers) {
+  Random random(29);
+  for (const auto axes : {model::FlexibleAxes::transverse, model::FlexibleAxes::gimbal}) {
+    const auto machine = random_machine(random, {.axes = axes, .gravity = Gravity::down});
+    expect_true_structure(with_softening(machine, 1.9e-4, 0.41), false, dynamics::ModelKind::full);
+    const auto bending = bending_machine(random, {.axes = axes, .gravity = Gravity::down});
+    expect_true_structure(with_softening(bending, 1.9e-4, 0.41), false, dynamics::ModelKind::guide);
+  }
 }
 
 }  // namespace

@@ -23,7 +23,7 @@ class CoSimulation : public testing::TestWithParam<Case> {};
 TEST_P(CoSimulation, FollowsThePlantUnderNoise) {
   const auto of = GetParam();
   const bool two = of.version == FmuVersion::fmi2;
-  expect_same_motion(of, of.hydraulics && two ? 1000 : 300);
+  expect_same_motion(Subject(of), of.hydraulics && two ? 1000 : 300);
 }
 
 TEST_P(CoSimulation, OutputsAreThoseOfThePlant) {
@@ -60,55 +60,9 @@ TEST_P(CoSimulation, OutputsAreThoseOfThePlant) {
   }
 }
 
-/// With differences of another order and other steps, extrapolated.
 TEST_P(CoSimulation, DerivativesAreThoseOfDifferences) {
-  const Subject subject(GetParam());
-  const Slave slave(subject.fmu, false);
-  slave.enter_continuous_time();
   Random random(3);
-  auto inputs = subject.noise(random);
-  ASSERT_EQ(ok, slave.set(subject.inputs, inputs));
-  std::vector<double> x(subject.rest.x.begin(), subject.rest.x.end());
-  const auto scales = subject.plant.scales();
-  for (std::size_t k = 0; k < x.size(); ++k)
-    x[k] += 0.2 * scales[static_cast<int>(k)] * random.uniform(-1.0, 1.0);
-  ASSERT_EQ(ok, slave.set_states(x));
-  std::vector<unsigned> unknowns;
-  for (const auto& [name, reference] : subject.fmu.references)
-    if (name.starts_with("der(") || name.ends_with("length_rate") ||
-        name.starts_with("acceleration"))
-      unknowns.push_back(reference);
-  const auto count = unknowns.size();
-  const auto knowns = static_cast<int>(x.size() + inputs.size());
-  Eigen::MatrixXd given(count, knowns), expected(count, knowns);
-  const double share = 1e-4;
-  for (int k = 0; k < knowns; ++k) {
-    const bool is_state = k < static_cast<int>(x.size());
-    const auto index = static_cast<std::size_t>(is_state ? k : k - static_cast<int>(x.size()));
-    const double size = is_state ? scales[k] : subject.hydraulics && index < 6 ? 0.1 : 1e3;
-    const auto column =
-        slave.directional(unknowns, is_state ? subject.states[index] : subject.inputs[index]);
-    const auto at = [&](double h) {
-      auto moved = x, u = inputs;
-      (is_state ? moved : u)[index] += h;
-      EXPECT_EQ(ok, slave.set_states(moved));
-      EXPECT_EQ(ok, slave.set(subject.inputs, u));
-      const auto values = slave.get(unknowns);
-      return Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(values.data(), values.size()));
-    };
-    const double h = share * size;
-    const Eigen::VectorXd coarse = (at(h) - at(-h)) / (2.0 * h);
-    const Eigen::VectorXd fine = (at(0.5 * h) - at(-0.5 * h)) / h;
-    expected.col(k) = size * (4.0 * fine - coarse) / 3.0;
-    given.col(k) = size * Eigen::Map<const Eigen::VectorXd>(column.data(), column.size());
-    ASSERT_EQ(ok, slave.set_states(x));
-    ASSERT_EQ(ok, slave.set(subject.inputs, inputs));
-  }
-  for (std::size_t u = 0; u < count; ++u) {
-    const auto row = static_cast<int>(u);
-    const double scale = expected.row(row).cwiseAbs().maxCoeff();
-    EXPECT_LT((given - expected).row(row).cwiseAbs().maxCoeff(), 1e-6 * scale) << unknowns[u];
-  }
+  expect_derivatives_of_differences(Subject(GetParam()), random);
 }
 
 /// The FMU's derivatives for CVODE.
@@ -171,34 +125,7 @@ TEST_P(CoSimulation, ModelExchangeUnderCvodeFollowsThePlant) {
 }
 
 TEST_P(CoSimulation, SavedStatesContinueBitByBit) {
-  const Subject subject(GetParam());
-  const Slave slave(subject.fmu, true), other(subject.fmu, true);
-  const auto run = [&](const Slave& on, int from, int to) {
-    Random random(static_cast<unsigned>(from));
-    for (int k = from; k < to; ++k) {
-      EXPECT_EQ(ok, on.set(subject.inputs, subject.noise(random)));
-      EXPECT_EQ(ok, on.step(sample * k, sample));
-    }
-    return on.get(subject.states);
-  };
-  run(slave, 0, 20);
-  void* state = nullptr;
-  ASSERT_EQ(ok, slave.save(&state));
-  const auto first = run(slave, 20, 40);
-  ASSERT_EQ(ok, slave.restore(state));
-  EXPECT_EQ(first, run(slave, 20, 40));
-
-  auto bytes = slave.bytes_of(state);
-  void* copy = nullptr;
-  ASSERT_EQ(ok, other.state_from(bytes, &copy));
-  ASSERT_EQ(ok, other.restore(copy));
-  EXPECT_EQ(first, run(other, 20, 40));
-  ASSERT_EQ(ok, slave.release(&state));
-  ASSERT_EQ(ok, other.release(&copy));
-  EXPECT_EQ(nullptr, state);
-
-  bytes[0] = 'x';
-  EXPECT_EQ(error, other.state_from(bytes, &copy));
+  expect_saved_states_continue(Subject(GetParam()));
 }
 
 TEST_P(CoSimulation, InstancesInThreadsGiveTheSameBits) {

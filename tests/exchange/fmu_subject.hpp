@@ -25,9 +25,9 @@ struct Case {
 
 /// The plant, its FMU, and noise for its inputs.
 struct Subject {
-  explicit Subject(const Case& of)
+  explicit Subject(const Case& of, const model::Machine& on = machine_of("heavy-platform"))
       : hydraulics(of.hydraulics),
-        machine(machine_of("heavy-platform")),
+        machine(on),
         fmu(archive_of(machine, of.version, of.hydraulics)),
         plant(machine, dynamics::ModelKind::guide,
               {.hydraulics = of.hydraulics, .oil_springs = false}),
@@ -93,9 +93,88 @@ class Difference {
   Eigen::VectorXd low_{}, high_{}, worst_{};
 };
 
+/// With differences of another order and other steps, extrapolated.
+inline void expect_derivatives_of_differences(const Subject& subject, Random& random) {
+  const Slave slave(subject.fmu, false);
+  slave.enter_continuous_time();
+  auto inputs = subject.noise(random);
+  ASSERT_EQ(ok, slave.set(subject.inputs, inputs));
+  std::vector<double> x(subject.rest.x.begin(), subject.rest.x.end());
+  const auto scales = subject.plant.scales();
+  for (std::size_t k = 0; k < x.size(); ++k)
+    x[k] += 0.2 * scales[static_cast<int>(k)] * random.uniform(-1.0, 1.0);
+  ASSERT_EQ(ok, slave.set_states(x));
+  std::vector<unsigned> unknowns;
+  for (const auto& [name, reference] : subject.fmu.references)
+    if (name.starts_with("der(") || name.ends_with("length_rate") ||
+        name.starts_with("acceleration"))
+      unknowns.push_back(reference);
+  const auto count = unknowns.size();
+  const auto knowns = static_cast<int>(x.size() + inputs.size());
+  Eigen::MatrixXd given(count, knowns), expected(count, knowns);
+  const double share = 1e-4;
+  for (int k = 0; k < knowns; ++k) {
+    const bool is_state = k < static_cast<int>(x.size());
+    const auto index = static_cast<std::size_t>(is_state ? k : k - static_cast<int>(x.size()));
+    const double size = is_state ? scales[k] : subject.hydraulics && index < 6 ? 0.1 : 1e3;
+    const auto column =
+        slave.directional(unknowns, is_state ? subject.states[index] : subject.inputs[index]);
+    const auto at = [&](double h) {
+      auto moved = x, u = inputs;
+      (is_state ? moved : u)[index] += h;
+      EXPECT_EQ(ok, slave.set_states(moved));
+      EXPECT_EQ(ok, slave.set(subject.inputs, u));
+      const auto values = slave.get(unknowns);
+      return Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(values.data(), values.size()));
+    };
+    const double h = share * size;
+    const Eigen::VectorXd coarse = (at(h) - at(-h)) / (2.0 * h);
+    const Eigen::VectorXd fine = (at(0.5 * h) - at(-0.5 * h)) / h;
+    expected.col(k) = size * (4.0 * fine - coarse) / 3.0;
+    given.col(k) = size * Eigen::Map<const Eigen::VectorXd>(column.data(), column.size());
+    ASSERT_EQ(ok, slave.set_states(x));
+    ASSERT_EQ(ok, slave.set(subject.inputs, inputs));
+  }
+  for (std::size_t u = 0; u < count; ++u) {
+    const auto row = static_cast<int>(u);
+    const double scale = expected.row(row).cwiseAbs().maxCoeff();
+    EXPECT_LT((given - expected).row(row).cwiseAbs().maxCoeff(), 1e-6 * scale) << unknowns[u];
+  }
+}
+
+/// From a saved state on, also of another instance by its bytes: to the bit.
+inline void expect_saved_states_continue(const Subject& subject) {
+  const Slave slave(subject.fmu, true), other(subject.fmu, true);
+  const auto run = [&](const Slave& on, int from, int to) {
+    Random random(static_cast<unsigned>(from));
+    for (int k = from; k < to; ++k) {
+      EXPECT_EQ(ok, on.set(subject.inputs, subject.noise(random)));
+      EXPECT_EQ(ok, on.step(sample * k, sample));
+    }
+    return on.get(subject.states);
+  };
+  run(slave, 0, 20);
+  void* state = nullptr;
+  ASSERT_EQ(ok, slave.save(&state));
+  const auto first = run(slave, 20, 40);
+  ASSERT_EQ(ok, slave.restore(state));
+  EXPECT_EQ(first, run(slave, 20, 40));
+
+  auto bytes = slave.bytes_of(state);
+  void* copy = nullptr;
+  ASSERT_EQ(ok, other.state_from(bytes, &copy));
+  ASSERT_EQ(ok, other.restore(copy));
+  EXPECT_EQ(first, run(other, 20, 40));
+  ASSERT_EQ(ok, slave.release(&state));
+  ASSERT_EQ(ok, other.release(&copy));
+  EXPECT_EQ(nullptr, state);
+
+  bytes[0] = 'x';
+  EXPECT_EQ(error, other.state_from(bytes, &copy));
+}
+
 /// Co-simulation with noise, against the plant under CVODE.
-inline void expect_same_motion(const Case& of, int steps) {
-  const Subject subject(of);
+inline void expect_same_motion(const Subject& subject, int steps) {
   const Slave slave(subject.fmu, true, true, 1e-10);
   Integrator reference(subject.plant, {.method = simulation::Method::cvode_adams,
                                        .relative_tolerance = 1e-11,

@@ -211,10 +211,10 @@ TEST(UniversalElement, IsTheSameInMillimetres) {
   expect_the_mass_on_a_spring(read(in_millimetres));
 }
 
-const MastMatrices mast = mast_matrices({});
+const MastMatrices mast_in_file = mast_matrices({});
 
 void expect_the_mast(const PayloadElement& element, const MatrixXd& M, double tolerance) {
-  const auto expected = exchange::payload_modes({M, mast.K, {}}, {});
+  const auto expected = exchange::payload_modes({M, mast_in_file.K, {}}, {});
   const auto found = exchange::payload_modes(element, {});
   ASSERT_EQ(found.modes.size(), expected.modes.size());
   for (std::size_t k = 0; k < found.modes.size(); ++k) {
@@ -228,12 +228,13 @@ void expect_the_mast(const PayloadElement& element, const MatrixXd& M, double to
 
 /// 54 × 54, twelve digits after the point.
 TEST(UniversalElement, KeepsTheNumbersOfFullMatrices) {
-  expect_the_mast(read(matrix_dataset(131, mast.M) + matrix_dataset(139, mast.K)), mast.M, 1e-8);
+  expect_the_mast(read(matrix_dataset(131, mast_in_file.M) + matrix_dataset(139, mast_in_file.K)),
+                  mast_in_file.M, 1e-8);
 }
 
 /// The mast of 97.7 kg on a rigid platform.
 MatrixXd with_platform(double mass) {
-  MatrixXd M = mast.M;
+  MatrixXd M = mast_in_file.M;
   M.diagonal().head<6>() +=
       mass * (spatial::Vector6() << 1.0, 1.0, 1.0, 0.61, 0.57, 0.73).finished();
   return M;
@@ -242,11 +243,11 @@ MatrixXd with_platform(double mass) {
 /// All modes of the free structure are the structure: six digits in the file.
 TEST(UniversalElement, OfAllModesOfTheFreeStructureIsTheStructure) {
   const auto M = with_platform(113.0);
-  const auto element = read(free_modes_text(M, mast.K, M.rows(), 0.013));
+  const auto element = read(free_modes_text(M, mast_in_file.K, M.rows(), 0.013));
   EXPECT_EQ(element.M.rows(), M.rows());
   expect_the_mast(element, M, 1e-4);
   EXPECT_GT(element.C.size(), 0);
-  EXPECT_EQ(read(free_modes_text(M, mast.K, M.rows(), 0.0)).C.size(), 0);
+  EXPECT_EQ(read(free_modes_text(M, mast_in_file.K, M.rows(), 0.0)).C.size(), 0);
 }
 
 /// Rigid modes and one of 0.013 damping, a mass on a spring: the structure between two masses has
@@ -278,8 +279,9 @@ TEST(UniversalElement, HasTheDampingOfTheFreeModes) {
 TEST(UniversalElement, OfSomeFreeModesIsHardlyStifferWithMassAtTheNode) {
   for (const double mass : {51.0, 13700.0}) {
     const auto M = with_platform(mass);
-    const auto all = exchange::payload_modes({M, mast.K, {}}, {});
-    const auto some = exchange::payload_modes(read(free_modes_text(M, mast.K, 14, 0.0)), {});
+    const auto all = exchange::payload_modes({M, mast_in_file.K, {}}, {});
+    const auto some =
+        exchange::payload_modes(read(free_modes_text(M, mast_in_file.K, 14, 0.0)), {});
     for (std::size_t k = 0; k < 4; ++k) {
       const double ratio = some.modes[k].frequency / all.modes[k].frequency;
       EXPECT_GT(ratio, 1.0 - 1e-5);
@@ -289,7 +291,7 @@ TEST(UniversalElement, OfSomeFreeModesIsHardlyStifferWithMassAtTheNode) {
 }
 
 TEST(UniversalElement, OfAFreeStructureWithoutMassAtTheNodeIsRefused) {
-  EXPECT_THAT(refusal(free_modes_text(mast.M, mast.K, 26, 0.0)),
+  EXPECT_THAT(refusal(free_modes_text(mast_in_file.M, mast_in_file.K, 26, 0.0)),
               HasSubstr("node 11 has too little mass: the lowest frequency is 107.8 Hz free and "
                         "19.5 Hz with the node held"));
 }
@@ -335,10 +337,10 @@ TEST(UniversalElement, ThatIsNoneIsRefusedWithItsLine) {
 
 TEST(UniversalElement, OfModesThatAreNotThoseOfAFreeStructureIsRefused) {
   const auto M = with_platform(113.0);
-  const auto text = free_modes_text(M, mast.K, 12, 0.01);
+  const auto text = free_modes_text(M, mast_in_file.K, 12, 0.01);
   EXPECT_THAT(refusal(text, 12), HasSubstr("no mode moves node 12, expected the node that is the "
                                            "platform, one of 11"));
-  EXPECT_THAT(refusal(free_modes_text(M, mast.K, 6, 0.01)),
+  EXPECT_THAT(refusal(free_modes_text(M, mast_in_file.K, 6, 0.01)),
               HasSubstr("its 6 modes move node 11 in 6 independent ways"));
   EXPECT_THAT(refusal(text.substr(text.find("    -1\n    55", 20))),
               HasSubstr("resists a rigid motion"));

@@ -122,6 +122,27 @@ TEST(ModesAtAmplitudes, HaveTheBristlesOfTheSealsBesideTheOil) {
   }
 }
 
+/// Bristles that only stick are the spring of linear models, which they replace: it does not count
+/// twice where a file states both.
+TEST(ModesAtAmplitudes, OfBristlesThatStickAreThoseOfLinearModelsWithSealsThatStick) {
+  auto machine = symmetric_machine();
+  machine.damping.modal_ratio = 0.0;
+  constexpr double sigma = 2.9e6;
+  for (auto& leg : machine.legs) leg.stick_stiffness = sigma;
+  const auto linear =
+      modal::normal_modes(dynamics::linear_model(machine, machine.neutral(), ModelKind::guide));
+  const auto found = curves_of(machine, {1e-4}, ModelKind::guide);
+  for (const auto& curve : found)  // without bristles at any amplitude
+    EXPECT_NEAR(curve.points.at(0).omega, linear.omega(curve.mode), 1e-9 * curve.omega);
+  for (auto& leg : machine.legs)
+    leg.hydraulics.friction = {
+        .coulomb = 310.0, .breakaway = 310.0, .bristles = model::LuGreBristles{.stiffness = sigma}};
+  for (const auto& curve : curves_of(machine, {1e-9}, ModelKind::guide)) {
+    const double omega = curve.points.at(0).omega;
+    EXPECT_LT((linear.omega2.cwiseSqrt().array() - omega).abs().minCoeff(), 1e-4 * omega);
+  }
+}
+
 /// An elastomer without a softening has the damped frequency of its arms.
 TEST(ModesAtAmplitudes, HaveTheComplexStiffnessOfElastomersAtTheirFrequency) {
   auto machine = symmetric_machine();

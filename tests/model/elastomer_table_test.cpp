@@ -137,6 +137,11 @@ TEST(ElastomerArms, WrongOnesAreRefused) {
               HasSubstr("elastomer.table[0][0]: is no frequency above 0"));
   EXPECT_THAT(message("arms = { strength = [0, 0, 0], time = [0.2, 0.02, 2e-3] }"),
               HasSubstr("arms.strength: is 0 for all arms, expected one above 0"));
+  for (const std::string number : {"0", "-0.3"})
+    EXPECT_THAT(message(numbers + ", softening = 0.3, softening_time = " + number),
+                HasSubstr("elastomer.softening_time: is " + number + " s, expected more than 0"));
+  EXPECT_THAT(message(numbers + ", softening = 0.3, softening_time = \"0.3 m\""),
+              HasSubstr("has the unit \"m\" (a length)"));
   EXPECT_THAT(message("arms = { strength = [0.2, 0.1, 0.3] }"),
               HasSubstr("elastomer.arms.time: required value (an array of 3 numbers in s) is "
                         "missing"));

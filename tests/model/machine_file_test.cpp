@@ -329,6 +329,10 @@ TEST(MachineFile, NumbersThatHaveNoEffectWithoutAnotherAreNamed) {
               ElementsAre("legs.guide_sleeve.elastomer.softening_amplitude: has no effect without "
                           "`legs.guide_sleeve.elastomer.softening`"));
   EXPECT_THAT(warnings({elastomer + ", softening_amplitude = 2e-4, softening = 0.3 }"}), IsEmpty());
+  EXPECT_THAT(warnings({elastomer + ", softening_time = 0.7 }"}),
+              ElementsAre("legs.guide_sleeve.elastomer.softening_time: has no effect without "
+                          "`legs.guide_sleeve.elastomer.softening`"));
+  EXPECT_THAT(warnings({elastomer + ", softening_time = 0.7, softening = 0.3 }"}), IsEmpty());
   EXPECT_THAT(warnings({"legs.friction.stribeck_velocity=0.03"}),
               ElementsAre("legs.friction.stribeck_velocity: has no effect without "
                           "`legs.friction.coulomb`"));

@@ -21,6 +21,9 @@ TEST(RealTime, ThePlantAndItsIntegratorsAllocateNothing) {
     leg.hydraulics.joint_friction = {.viscous = 1.0, .coulomb = 2.0};
     leg.hydraulics.friction.bristles = model::LuGreBristles{3e7, 1e3};
     leg.gimbal_stiffness = 1.3e7;
+    leg.guide_sleeve.elastomer = {
+        .dynamic_ratio = 1.6, .loss_factor = 0.2, .frequency = 9.0, .softening = 0.31};
+    leg.piston_ring->elastomer = leg.guide_sleeve.elastomer;
   }
   for (const auto kind : {ModelKind::rigid, ModelKind::guide, ModelKind::full})
     for (const auto method : {simulation::Method::fixed, simulation::Method::exponential}) {

@@ -41,6 +41,8 @@ TEST_P(AtRandomPoses, ThePlantsLinearisationIsTheLinearModel) {
       if (leg.oil_spring.cylinder) leg.oil_spring = {.stiffness = 3.1e6 + 1e5 * k};
     for (int i = k % 2; i < 6; i += 2)  // every other leg on gimbals that give way
       machine.legs[i].gimbal_stiffness = (0.6 + 0.7 * i) * *machine.legs[i].oil_spring.stiffness;
+    for (int i = k % 3; i < 6; i += 3)  // and every third with seals that stick
+      machine.legs[i].stick_stiffness = (0.2 + 0.3 * i) * *machine.legs[i].oil_spring.stiffness;
     for (const auto& pose : machine.poses) {
       const Plant plant(machine, kind, {.hydraulics = false}, pose.X_BP);
       const auto rest = plant.equilibrium(pose.X_BP);

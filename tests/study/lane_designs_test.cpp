@@ -164,6 +164,9 @@ TEST(LaneDesignsOfMachines, FitWhereTheKernelKnowsAllTheirParts) {
   other.base_mount.emplace();
   EXPECT_FALSE(study::fits_lanes(other));
   other = machine;
+  other.legs[5].stick_stiffness = 3e5;
+  EXPECT_FALSE(study::fits_lanes(other));
+  other = machine;
   other.legs[5].guide_sleeve.gap = 2e-4;
   EXPECT_FALSE(study::fits_lanes(other));
   other = machine;

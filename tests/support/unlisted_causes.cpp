@@ -2,7 +2,6 @@
 
 #include <Eigen/Dense>
 #include <cmath>
-#include <map>
 #include <numbers>
 
 #include "diagnosis/planted_faults.hpp"
@@ -22,7 +21,6 @@ using spatial::Matrix3;
 using spatial::Matrix6;
 using spatial::Vector3;
 using spatial::Vector6;
-using Modes = std::function<PoseModes(const model::Machine&, const model::NamedPose&)>;
 
 PoseModes modes_of_matrices(const dynamics::LinearModel& model, const std::string& pose,
                             const Eigen::MatrixXd& M, const Eigen::MatrixXd& K) {
@@ -44,43 +42,6 @@ Eigen::Matrix<double, 3, 6> to_point(const dynamics::LinearModel& model, const V
   Eigen::Matrix<double, 3, 6> J;
   J << Matrix3::Identity(), -spatial::skew(model.X_BP * p_PQ - model.p_BC);
   return J;
-}
-
-/// Every mode vibrates with this amplitude of the platform joint that moves most, or with the
-/// largest one below it that harmonic balance finds a motion for.
-Modes at_amplitude(double amplitude) {
-  return [amplitude](const model::Machine& machine, const model::NamedPose& pose) {
-    const auto model = dynamics::linear_model(machine, pose.X_BP, dynamics::ModelKind::guide);
-    std::array<double, 7> amplitudes{};
-    for (std::size_t k = 0; k < amplitudes.size(); ++k)
-      amplitudes[k] = amplitude * std::pow(10.0, 0.5 * static_cast<double>(k) - 3.0);
-    // the largest amplitude that a branch of this mode has a motion for
-    std::map<int, std::pair<std::size_t, modal::ModeAtAmplitude>> largest;
-    for (const auto& curve :
-         modal::modes_at_amplitudes(machine, pose.X_BP, dynamics::ModelKind::guide, amplitudes))
-      for (std::size_t k = 0; k < curve.points.size(); ++k) {
-        if (!curve.points[k].converged) continue;
-        const auto before = largest.find(curve.mode);
-        if (before == largest.end() || before->second.first < k)
-          largest[curve.mode] = {k, curve.points[k]};
-      }
-    std::vector<std::pair<double, Vector6>> found;
-    for (const auto& [mode, at] : largest)
-      found.emplace_back(at.second.omega, at.second.shape.head<6>());
-    std::ranges::sort(found, {}, [](const auto& mode) { return mode.first; });
-    const auto count = static_cast<Eigen::Index>(found.size());
-    PoseModes all{.pose = pose.name,
-                  .X_BP = pose.X_BP,
-                  .p_BC = model.p_BC,
-                  .platform_mass = model.platform_mass,
-                  .omega = Eigen::VectorXd(count),
-                  .motions = Eigen::Matrix<double, 6, Eigen::Dynamic>(6, count)};
-    for (Eigen::Index k = 0; k < count; ++k) {
-      all.omega[k] = found[static_cast<std::size_t>(k)].first;
-      all.motions.col(k) = found[static_cast<std::size_t>(k)].second;
-    }
-    return all;
-  };
 }
 
 /// A hose, a bellows or an obstacle: a spring between the ground and a point of the platform.
@@ -188,7 +149,7 @@ void add_seals(const Scales& s, double f, std::vector<UnlistedCase>& all) {
   all.push_back({.physics = fmt::format("rods on guide rings, gap {:.3g} mm, at 1 mm", 1e3 * gap),
                  .basic = {.fault = {set("legs.guide_sleeve.gap", gap),
                                      "legs.guide_sleeve.guide_stiffness=5e7"}},
-                 .modes = at_amplitude(amplitude),
+                 .modes = modes_at_amplitude(amplitude),
                  .same_parts = {"guide sleeve"}});
   const double ratio = 1.0 + 0.8 * f, softening = std::min(0.8, 0.4 * f);
   all.push_back(
@@ -200,15 +161,16 @@ void add_seals(const Scales& s, double f, std::vector<UnlistedCase>& all) {
                                        "loss_factor = 0.2, frequency = {:.6g}, softening = {:.4f}, "
                                        "softening_amplitude = {:.6g} }}",
                                        ratio, s.omega_x, softening, s.sleeve)}},
-       .modes = at_amplitude(amplitude),
+       .modes = modes_at_amplitude(amplitude),
        .same_parts = {"guide sleeve"}});
   const double sigma = 0.25 * f * s.k_h, force = 0.7 * sigma * s.piston;
   all.push_back(
       {.physics = fmt::format("bristles of the cylinders' seals, {:.3g} N, at 1 mm", force),
        .basic = {.fault = {set("legs.friction.coulomb", force),
                            set("legs.friction.breakaway", force), "legs.friction.viscous=0",
-                           set("legs.friction.bristles.stiffness", sigma)}},
-       .modes = at_amplitude(amplitude)});
+                           set("legs.friction.bristles.stiffness", sigma)},
+                 .planted = {sticking_seals}},
+       .modes = modes_at_amplitude(amplitude)});
 }
 
 void add_payload(const Scales& s, double f, std::vector<UnlistedCase>& all) {
@@ -360,10 +322,6 @@ double change_of(const PoseModes& before, const PoseModes& after) {
   return most;
 }
 
-}  // namespace
-
-namespace {
-
 model::MachineFile truth_of(const UnlistedCase& test) {
   auto overrides = test.basic.design;
   overrides.insert(overrides.end(), test.basic.fault.begin(), test.basic.fault.end());
@@ -383,6 +341,16 @@ std::vector<PoseModes> modes_of(const UnlistedCase& test, const model::Machine& 
   return poses;
 }
 
+observation::Targets measured_modes(const UnlistedCase& test, const std::vector<PoseModes>& poses) {
+  const auto design = machine_file(test.basic.text(), test.basic.design);
+  Random random(7919U * static_cast<std::uint64_t>(test.basic.repetition) + 17U);
+  auto measured = noisy_modes(
+      poses, modal::modal_ratio(design.machine).value,
+      {.frequency = test.basic.noise, .shape = std::min(0.05, 30.0 * test.basic.noise)}, random);
+  if (test.misread) test.misread(measured);
+  return measured;
+}
+
 bool stands(const UnlistedCase& test) {
   try {
     static_cast<void>(modes_of(test, truth_of(test).machine));
@@ -392,9 +360,9 @@ bool stands(const UnlistedCase& test) {
   }
 }
 
-}  // namespace
-
-std::vector<UnlistedCase> unlisted_cases() {
+/// Also those of causes that are candidates by now: the numbers of the others, which their sizes
+/// and their noise are drawn from, stay what they were.
+std::vector<UnlistedCase> all_cases() {
   std::vector<UnlistedCase> all;
   for (const auto& setting : settings()) {
     const BlindCase basic{.machine = setting.machine,
@@ -412,9 +380,10 @@ std::vector<UnlistedCase> unlisted_cases() {
         some.clear();
         add(scales, size, some);
         for (auto& one : some) {
-          const auto fault = one.basic.fault;
+          const auto of_case = one.basic;
           one.basic = basic;
-          one.basic.fault = fault;
+          one.basic.fault = of_case.fault;
+          one.basic.planted = of_case.planted;
         }
         stand = std::ranges::all_of(some, stands);
       }
@@ -428,6 +397,35 @@ std::vector<UnlistedCase> unlisted_cases() {
   return all;
 }
 
+}  // namespace
+
+std::vector<UnlistedCase> unlisted_cases() {
+  auto all = all_cases();
+  std::erase_if(all, [](const auto& one) { return !one.basic.planted.empty(); });
+  return all;
+}
+
+std::vector<UnlistedCase> sticking_cases() {
+  auto all = all_cases();
+  std::erase_if(all, [](const auto& one) { return one.basic.planted.empty(); });
+  const std::size_t count = all.size();
+  constexpr double small = 0.1 * amplitude;
+  for (std::size_t k = 0; k < count; ++k) {
+    auto& one = all[k];
+    one.basic.size = one.physics;
+    auto less = one;
+    less.basic.size.replace(less.basic.size.find("at 1 mm"), std::string::npos, "at 0.1 mm");
+    less.basic.repetition += 1000;
+    less.modes = modes_at_amplitude(small);
+    all.push_back(std::move(less));
+  }
+  return all;
+}
+
+observation::Targets measure_unlisted(const UnlistedCase& test) {
+  return measured_modes(test, modes_of(test, truth_of(test).machine));
+}
+
 UnlistedResult run_unlisted(const UnlistedCase& test) {
   const auto design = machine_file(test.basic.text(), test.basic.design);
   const auto truth = truth_of(test);
@@ -438,11 +436,7 @@ UnlistedResult run_unlisted(const UnlistedCase& test) {
     const auto stated = modes_at(design.machine, *pose, dynamics::ModelKind::guide);
     result.change = std::max(result.change, change_of(stated, poses[k]));
   }
-  Random random(7919U * static_cast<std::uint64_t>(test.basic.repetition) + 17U);
-  auto measured = noisy_modes(
-      poses, modal::modal_ratio(design.machine).value,
-      {.frequency = test.basic.noise, .shape = std::min(0.05, 30.0 * test.basic.noise)}, random);
-  if (test.misread) test.misread(measured);
+  const auto measured = measured_modes(test, poses);
   try {
     result.diagnosis =
         diagnosis::diagnose(design, measured, dynamics::ModelKind::guide, design.machine.poses);

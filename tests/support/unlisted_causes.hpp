@@ -11,14 +11,18 @@
 #include <vector>
 
 #include "diagnosis/blind_series.hpp"
+#include "support/modes_at_amplitude.hpp"
 
 namespace hydrapod::test {
+
+/// What the diagnosis calls bristles of the cylinders' seals.
+inline constexpr const char* sticking_seals = "sticking cylinder seals of all legs";
 
 struct UnlistedCase {
   std::string physics{};  ///< what was planted, with its size
   BlindCase basic{};  ///< machine, design, poses, noise; `fault` holds what a machine file states
   /// Modes of the machine with `fault` at a pose; none: those of its linear model.
-  std::function<PoseModes(const model::Machine&, const model::NamedPose&)> modes{};
+  Modes modes{};
   /// What is wrong with the measurement itself.
   std::function<void(observation::Targets&)> misread{};
   /// Parts of the names of candidate causes that are this very part, whose law is another, or whose
@@ -36,6 +40,13 @@ struct UnlistedResult {
 
 /// All cases of the series.
 std::vector<UnlistedCase> unlisted_cases();
+
+/// Bristles of the cylinders' seals in the same machines, at two amplitudes: a candidate cause, but
+/// harmonic balance has another spring for each mode and leg, and the candidate one for all.
+std::vector<UnlistedCase> sticking_cases();
+
+/// What is measured of a case.
+observation::Targets measure_unlisted(const UnlistedCase& test);
 
 UnlistedResult run_unlisted(const UnlistedCase& test);
 

@@ -127,6 +127,7 @@ struct Cause {
     cap_volume,  ///< of chamber or line
     rod_volume,
     gimbals,
+    sticking_seals,  ///< of the cylinders: a spring beside the oil
     payload,         ///< the platform's mass
     payload_height,  ///< with its mass
     inertia,
@@ -154,9 +155,9 @@ struct Cause {
   [[nodiscard]] Family family() const;
   /// The model with piston rings.
   [[nodiscard]] bool needs_rings() const { return kind == Kind::piston_rings; }
-  /// Tried in pairs. Off for those that another one stands for (air and gimbals change the same
-  /// springs as the bulk modulus, rods that bend and elastomers the same as the guide sleeves, only
-  /// otherwise from pose to pose or from frequency to frequency).
+  /// Tried in pairs. Off for those that another one stands for (air, gimbals and seals that stick
+  /// change the same springs as the bulk modulus, rods that bend and elastomers the same as the
+  /// guide sleeves, only otherwise from pose to pose or from frequency to frequency).
   [[nodiscard]] bool in_pairs() const;
 };
 

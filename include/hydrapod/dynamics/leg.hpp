@@ -162,7 +162,8 @@ GuideEquivalent guide_equivalent(const model::GuideSleeve& sleeve, const Vector2
                                  const Vector2& amplitude);
 
 /// What amplitudes leave of an elastomer's stiffness (Payne effect, after Kraus):
-/// 1 − softening r/(1 + r), r = (A / softening_amplitude)^1.2.
+/// 1 − softening r/(1 + r), r = (A / softening_amplitude)^softening_exponent.
+inline constexpr double softening_exponent = 1.2;  ///< 2m, m = 0.6, found for most filled rubbers
 double softened(const model::Elastomer& elastomer, double amplitude);
 
 /// A seal k with arms, in series with what bends: springs and arms once more, since k(p) / (1 + f

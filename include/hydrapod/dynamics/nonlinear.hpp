@@ -69,6 +69,9 @@ struct Loads {
   /// What seals press with against the rod beside their springs and dampers, along t and a2 [N]: at
   /// the guide sleeve against d_s, at the piston against u. Used with `seals_press` only.
   std::array<Vector2, model::leg_count> sleeve{}, ring{};
+  /// A part of them that turns with the leg's frame, and not with the case, has no moment about the
+  /// axis: what their moment is too small by [N m]. Used with `seals_press` only.
+  Vector6 frame_moment{Vector6::Zero()};
   bool seals_press{};
 };
 

@@ -132,9 +132,9 @@ double line_inertia(const model::Leg& leg, double l_m);
 double oil_stiffness(const model::Leg& leg, double l_m);
 
 /// What holds a leg along its axis: the oil spring, the strut or the screw, and in series compliant
-/// gimbals.
+/// gimbals; beside them seals that stick.
 struct AxialSpring {
-  double stiffness{};  ///< k_h k_j / (k_h + k_j) [N/m]
+  double stiffness{};  ///< k_h k_j / (k_h + k_j) + k_b [N/m]
   /// c_h (k_j / (k_h + k_j))² [N s/m]: the share of the motion that the oil's damper sees, as long
   /// as the damper's force is small beside the spring's.
   double damping{};

@@ -73,6 +73,7 @@ struct Elastomer {
   std::optional<MaxwellArms> arms{};
   double softening{};                ///< share of k that large amplitudes take away, [0, 1)
   double softening_amplitude{1e-4};  ///< [m] at which half of that is gone
+  double softening_time{1.0};        ///< τ [s] in which a simulation takes means of the amplitude
   double pressure_stiffening{};      ///< growth of k per pressure of the oil beside the seal [1/Pa]
 };
 
@@ -200,6 +201,9 @@ struct Leg {
   double added_axial_inertia{};  ///< m_a [kg], moves with the piston only
   /// k_j [N/m] of both gimbals and their fastening along the leg; absent: they are rigid.
   std::optional<double> gimbal_stiffness{};
+  /// k_b [N/m] along the leg of cylinder seals that stick at the amplitude of the motion, beside
+  /// oil and gimbals, in linear models; 0: they slide.
+  double stick_stiffness{};
   Vector3 gimbal_axis{Vector3::UnitY()};  ///< a1: base-fixed axis of the lower gimbal, unit, in B
   /// I_c [kg m²] of the lower gimbal's cross about a1; used with FlexibleAxes::gimbal only.
   double gimbal_cross_inertia{};

@@ -22,6 +22,9 @@
 ///     η    per arm of seals that are elastomers two [m], along t and a2: of the guide sleeve's
 ///     arms
 ///          of all legs, then of the piston rings'
+///     w, d̄  per seal whose stiffness large amplitudes take away (`softening`) the square of the
+///          amplitude over that of `softening_amplitude`, and its mean offset along t and a2 [m]:
+///          running means, see PlantOptions::softening
 /// With `hydraulics = false` there are y and v only, and each leg is held by the linear model's oil
 /// spring, at rest at the reference pose: it pulls with f + k_h (s − s_0) + c_h ṡ. There is no
 /// friction of the seals along the leg then, and there are end stops only with a given stroke.
@@ -74,6 +77,9 @@ struct PlantOptions {
   /// Of electric drives; false: commands do nothing, and motors turn freely about the torques that
   /// hold them at rest.
   bool speed_loops{true};
+  /// Elastomers soften under large amplitudes (docs/theory/elastomers.md); false: as a
+  /// linearisation about rest should have it, which they do not change.
+  bool softening{true};
 };
 
 struct PlantInput {
@@ -102,6 +108,9 @@ struct StateLayout {
   /// where the seal is no elastomer.
   std::array<int, model::leg_count> sleeve_arms{-1, -1, -1, -1, -1, -1};
   std::array<int, model::leg_count> ring_arms{-1, -1, -1, -1, -1, -1};
+  /// Per leg the w of its guide sleeve and of its piston ring, before d̄; −1 where nothing softens.
+  std::array<int, model::leg_count> sleeve_softening{-1, -1, -1, -1, -1, -1};
+  std::array<int, model::leg_count> ring_softening{-1, -1, -1, -1, -1, -1};
   int size{};
   [[nodiscard]] int velocity() const { return positions; }
   [[nodiscard]] int tangent() const { return size - 1; }  ///< length of a small change of x
@@ -155,11 +164,14 @@ struct PlantOutput {
   /// [J], with `hydraulics = false` from the reference pose; of the screws (and gimbals) that
   /// electric drives turn; else 0.
   double oil_spring_energy{};
-  double motor_energy{};      ///< [J], kinetic, of the rotors of electric drives
-  double motor_power{};       ///< [W], Σ T θ̇: what the motors put in
-  double gimbal_energy{};     ///< [J], with hydraulics: Σ F²/2k_j; else part of the oil springs'
-  double seal_arms_energy{};  ///< [J], of the arms of seals that are elastomers
-  double dissipation{};       ///< [W]: seals, joints, friction, dampers, mount; not the hydraulics
+  double motor_energy{};   ///< [J], kinetic, of the rotors of electric drives
+  double motor_power{};    ///< [W], Σ T θ̇: what the motors put in
+  double gimbal_energy{};  ///< [J], with hydraulics: Σ F²/2k_j; else part of the oil springs'
+  /// [J], of the arms of seals that are elastomers, less what softening takes from their springs.
+  double seal_arms_energy{};
+  /// [W]: seals, joints, friction, dampers, mount; not the hydraulics. Seals that recover from
+  /// softening give back for a while what softening took.
+  double dissipation{};
   double line_kinetic_energy{};  ///< [J], of the oil in lines with waves
   double line_dissipation{};     ///< [W], by the viscosity of that oil
 };
@@ -257,6 +269,7 @@ class Plant {
  private:
   struct OilSpring {
     double force{}, stiffness{}, damping{}, s{};
+    double stick{};  ///< share of `stiffness` that is of seals that stick
   };
   struct Gimbals {
     double compliance{};  ///< 1/k_j [m/N], 0: they are rigid
@@ -265,7 +278,7 @@ class Plant {
   struct Work;  ///< intermediate results of one evaluation
   bool evaluate(const double* x, const PlantInput& input, double* rate, Work& work) const;
   struct OilConstants;
-  void set_oil_constants();
+  void set_oil_constants(const Pose& X_reference);
   OilState oil_state(const dynamics::Motion& motion, const double* x,
                      const PlantInput& input) const;
   OilRates oil_rates(const OilState& state) const;
@@ -301,8 +314,18 @@ class Plant {
   void base_outputs(const double* x, const Work& work, PlantOutput& out) const;
   void base_side(const double* x, const dynamics::Loads& loads, double* rate, Work& work) const;
   void set_gimbals(const Pose& X_reference);
-  void set_arms();
-  /// each(leg, guide sleeve?, offset, arms, place of the first state) of every seal.
+  /// What large amplitudes take from a seal.
+  struct Softening {
+    double share{}, amplitude{}, time{};                ///< of the file; share 0: nothing
+    double stiffness{};                                 ///< k [N/m]
+    double series{};                                    ///< f/(1 + f k) of rod and case that bend
+    dynamics::Vector2 rest{dynamics::Vector2::Zero()};  ///< offset at the reference pose [m]
+  };
+  struct Seal;          ///< an elastomer as it stands
+  struct SoftenedSeal;  ///< what it presses with
+  void set_arms(const Pose& X_reference);
+  void set_softening(const Pose& X_reference, const Vector6& bending);
+  /// each(seal) of every elastomer.
   template <class Each>
   void for_seals(const dynamics::Motion& motion, const Each& each) const;
   void arms_side(const double* x, double* rate, dynamics::Loads& loads, const Work& work) const;
@@ -319,6 +342,7 @@ class Plant {
   std::array<Gimbals, model::leg_count> gimbals_{};
   /// Of the seals that are elastomers.
   std::array<dynamics::SealArms, model::leg_count> sleeve_arms_{}, ring_arms_{};
+  std::array<Softening, model::leg_count> sleeve_softening_{}, ring_softening_{};
   std::shared_ptr<const OilConstants> oil_constants_{};  ///< all legs side by side
   std::shared_ptr<const Drives> drives_{};               ///< null without electric drives
   dynamics::MovingBase base_{};                          ///< `count` 0: stands still
