@@ -47,6 +47,29 @@ Json entry_json(const FrequencyResponses& r, const std::vector<std::size_t>& lin
   return entry;
 }
 
+/// What errors of responses to two inputs have in common, Q_ij/√(Q_ii Q_jj), of all pairs i < j;
+/// null where that is nothing. Five decimals: weights of a fit follow from it.
+Json input_correlation(const FrequencyResponses& r, const std::vector<std::size_t>& lines) {
+  if (!r.has_errors()) return nullptr;
+  const auto decimals = [](double value) { return std::round(1e5 * value) / 1e5; };
+  Json pairs = Json::array();
+  bool any = false;
+  for (Index i = 0; i < static_cast<Index>(r.inputs.size()); ++i)
+    for (Index j = i + 1; j < static_cast<Index>(r.inputs.size()); ++j) {
+      Json re = Json::array(), im = Json::array();
+      for (const std::size_t k : lines) {
+        const auto& Q = r.input_factor[k];
+        const double own = std::sqrt(Q(i, i).real() * Q(j, j).real());
+        const std::complex<double> shared = own > 0.0 ? Q(i, j) / own : 0.0;
+        re.push_back(decimals(shared.real()));
+        im.push_back(decimals(shared.imag()));
+        any = any || re.back() != 0.0 || im.back() != 0.0;
+      }
+      pairs.push_back({{"re", std::move(re)}, {"im", std::move(im)}});
+    }
+  return any ? pairs : Json(nullptr);
+}
+
 Json shown_responses(const FrequencyResponses& r) {
   const auto lines = shown_lines(r.lines());
   Json response = Json::array(), coherence = Json::array();
@@ -64,6 +87,7 @@ Json shown_responses(const FrequencyResponses& r) {
       {"radius_95", r.has_errors() ? Json(identification::confidence_radius(confidence, r.degrees))
                                    : Json(nullptr)}};
   shown["shift_per_s"] = r.shift;
+  shown["input_correlation"] = input_correlation(r, lines);
   for (const std::size_t k : lines) shown["frequency_hz"].push_back(r.frequency[k]);
   if (!coherence.empty()) shown["multiple_coherence"] = std::move(coherence);
   return shown;

@@ -5,7 +5,7 @@ import { join } from 'node:path';
 import { readFileSync } from 'node:fs';
 import { test } from 'node:test';
 import { pathToFileURL } from 'node:url';
-import { hannTaper, json, near, published, random, responses } from './support.mjs';
+import { correlated, hannTaper, json, near, published, random, responses } from './support.mjs';
 
 const { startCore } = await import(pathToFileURL(join(process.env.HYDRAPOD_SOURCE, 'web', 'core', 'module.mjs')));
 const { call, give, taken } = await startCore();
@@ -74,7 +74,7 @@ const measured = (given, frequency, { g = plain, shift = 0 } = {}) =>
   );
 
 /** Hands responses over; what is in `shape` stands in place of what fits. */
-function hand(frequency, H, { deviation, window = [], shape = {} } = {}) {
+function hand(frequency, H, { deviation, correlation, window = [], shape = {} } = {}) {
   const numbers = [...frequency];
   H.forEach((row, o) =>
     row.forEach((h, i) => {
@@ -82,6 +82,13 @@ function hand(frequency, H, { deviation, window = [], shape = {} } = {}) {
       if (deviation) numbers.push(...frequency.map((_, k) => deviation(o, i, k)));
     }),
   );
+  if (correlation)
+    H[0].forEach((_, i) =>
+      H[0].slice(i + 1).forEach((__, n) => {
+        const both = frequency.map((___, k) => correlation(i, i + 1 + n, k));
+        numbers.push(...both.map(({ re }) => re), ...both.map(({ im }) => im));
+      }),
+    );
   numbers.push(...window);
   give(Float64Array.from(numbers));
   call('core_measured', {
@@ -89,6 +96,7 @@ function hand(frequency, H, { deviation, window = [], shape = {} } = {}) {
     inputs: H[0]?.length ?? 0,
     lines: frequency.length,
     deviations: deviation !== undefined,
+    correlation: correlation !== undefined,
     shift: 0,
     residual_terms: 4,
     window: window.length,
@@ -282,6 +290,7 @@ for (const [name, more] of Object.entries({
   'on the imaginary axis': {},
   'beside it': { shift_per_s: 0.9 },
   'through a window': { sample_rate_hz: 128, taper: hannTaper(2048) },
+  'with inputs whose errors are correlated': correlated,
 }))
   test(`with the program's poles and participations its shapes and its error, ${name}`, () => {
     const modes = json('modes', published, '--model', 'rigid').modes;
@@ -296,16 +305,20 @@ for (const [name, more] of Object.entries({
     const used = whole.frequency_hz.map((_, k) => k).filter((k) => whole.frequency_hz[k] >= from && whole.frequency_hz[k] <= to);
     const frequency = used.map((k) => whole.frequency_hz[k]);
     const H = whole.response.map((row) => row.map(({ re, im }) => used.map((k) => c(re[k], im[k]))));
+    const Q = whole.input_factor.map((row) => row.map(({ re, im }) => c(re[0], im[0])));
+    const isCorrelated = Q[0][1].re !== 0;
     hand(frequency, H, {
-      deviation: (o) => deviations[o],
+      deviation: (o, i) => deviations[o] * Math.sqrt(Q[i][i].re),
+      ...(isCorrelated ? { correlation: (i, j) => over(Q[i][j], c(Math.sqrt(Q[i][i].re * Q[j][j].re))) } : {}),
       window: (more.taper ?? []).map((rho) => rho - 1),
       shape: { shift: more.shift_per_s ?? 0, residual_terms: found.residuals.terms.length },
     });
     const fit = fitted(poles, 6, 6, frequency.length);
+    const tolerance = isCorrelated ? 1e-6 : 1e-8; // a little less correlation is taken than is said
     [...found.modes, ...found.heavily_damped].forEach(({ shape }, r) =>
-      nearAll(fit.shapes[r], complex(shape), 1e-8, `shape ${r + 1}`),
+      nearAll(fit.shapes[r], complex(shape), tolerance, `shape ${r + 1}`),
     );
-    near(fit.error, found.fit_error, 1e-8 * found.fit_error, 'error');
+    near(fit.error, found.fit_error, tolerance * found.fit_error, 'error');
   });
 
 test('outputs without any response have no shape and leave the others as they are', () => {
@@ -358,6 +371,9 @@ test('what is no measurement and no pole is refused, and the core goes on', () =
     [/no lines/, () => hand(frequency, H, { shape: { outputs: 4294967295, inputs: 4294967295 } })],
     [/no lines/, () => hand([5], H.map((row) => row.map((h) => h.slice(0, 1))))],
     [/no lines/, () => hand([], [[]])],
+    [/correlation is above 1/, () => hand(frequency, H, { deviation: () => 1, correlation: () => c(0.9, 0.9) })],
+    [/errors that are not known/, () => hand(frequency, H, { correlation: () => c(0.1) })],
+    [/another number of values/, () => hand(frequency, H, { deviation: () => 1, shape: { correlation: true } })],
     [/no number from 0 on/, () => hand(frequency, H, { shape: { shift: -1 } })],
     [/has no duration/, () => hand(frequency, H, { window: [0, 0], shape: { duration: 0 } })],
     [/number/, () => hand(frequency, H, { shape: { shift: null } })],
@@ -382,5 +398,7 @@ test('what is no measurement and no pole is refused, and the core goes on', () =
     assert.ok(fitted(given.modes, 2, 2, 60).error < 1e-9, 'the responses are still there');
   }
   assert.throws(() => call('core_fit', {}), /not found/);
+  hand(frequency, H, { deviation: () => 1, correlation: () => c(1) });
+  assert.ok(fitted(given.modes, 2, 2, 60).error < 1e-6, 'one of 1 is taken');
   assert.throws(() => call('core_fit', { poles: 5 }), /at|number|pole/);
 });

@@ -4,6 +4,7 @@ import assert from 'node:assert/strict';
 import { readFileSync, writeFileSync } from 'node:fs';
 import { test } from 'node:test';
 import {
+  correlated,
   findings,
   hannTaper,
   json,
@@ -149,6 +150,15 @@ test('and beside the imaginary axis', async () => {
     near(mode.damping_ratio, found.modes[r].damping_ratio, 0.05 * damping, `damping ${r + 1}`),
   );
   await withPage(report(published, '--measured', shifted), still, async (page) => {
+    near(await error(page), expected.fit_error, same * expected.fit_error, 'error');
+    await nearShapes(page, expected);
+  });
+});
+
+test('and where the errors of inputs are correlated', async () => {
+  const together = measurement('together.json', {}, correlated);
+  const expected = json('identify', together);
+  await withPage(report(published, '--measured', together), still, async (page) => {
     near(await error(page), expected.fit_error, same * expected.fit_error, 'error');
     await nearShapes(page, expected);
   });

@@ -209,6 +209,16 @@ export function hannTaper(length) {
   });
 }
 
+/** For responses(): errors of inputs that are neighbours have a part in common. */
+export const correlated = {
+  input_factor: [0, 1, 2, 3, 4, 5].map((i) =>
+    [0, 1, 2, 3, 4, 5].map((j) => ({
+      re: Array(577).fill(i === j ? 1 + 0.1 * i : Math.abs(i - j) === 1 ? 0.35 : 0),
+      im: Array(577).fill(Math.abs(i - j) === 1 ? 0.2 * (j - i) : 0),
+    })),
+  ),
+};
+
 /** The published machine with piston rings and dampers: 30 modes, complex. */
 export const damped = [
   published,

@@ -50,14 +50,16 @@ for (const [name, list] of Object.entries(times)) {
 // where other programs want the processor too, this is what counts
 console.log(`processor time of one recalculation: ${each.toFixed(2)} ms`);
 
-/** Fits of `poles` poles, with the deviations of the responses known or not, with a window or none. */
-function fits(poles, deviations, window) {
+/** Fits of `poles` poles; errors of responses `known`, `correlated` between inputs, or not known; a window or none. */
+function fits(poles, errors, window) {
+  const deviations = errors !== 'not known';
+  const correlation = errors === 'correlated';
   const frequency = Array.from({ length: lines }, (_, k) => 2 + k / 16);
   const entry = () => Array.from({ length: (deviations ? 3 : 2) * lines }, () => 1 + Math.random());
-  const numbers = [frequency, ...Array.from({ length: 36 }, entry), Array.from({ length: window }, (_, k) => -k / window)];
+  const numbers = [frequency, ...Array.from({ length: 36 }, entry), Array(correlation ? 30 * lines : 0).fill(0.1), Array.from({ length: window }, (_, k) => -k / window)];
   give(Float64Array.from(numbers.flat()));
   const begin = performance.now();
-  call('core_measured', { outputs: 6, inputs: 6, lines, deviations, shift: 0, residual_terms: 4, window, duration: 16 });
+  call('core_measured', { outputs: 6, inputs: 6, lines, deviations, correlation, shift: 0, residual_terms: 4, window, duration: 16 });
   const handed = performance.now() - begin;
   const some = () => Array.from({ length: 6 }, () => Math.random() - 0.5);
   const list = Array.from({ length: poles }, (_, k) => ({
@@ -73,8 +75,8 @@ function fits(poles, deviations, window) {
   }
   const [first] = all;
   all.sort((a, b) => a - b);
-  const what = `${poles} poles, deviations ${deviations ? 'known' : 'not known'}, ${window ? `window of ${window} values` : 'no window'}`;
+  const what = `${poles} poles, errors ${errors}, ${window ? `window of ${window} values` : 'no window'}`;
   console.log(`${what}: responses handed over in ${handed.toFixed(1)} ms, first fit ${first.toFixed(1)} ms, median ${all[10].toFixed(1)} ms`);
 }
 
-for (const poles of [6, 12, 30]) for (const deviations of [true, false]) for (const window of [0, 16384]) fits(poles, deviations, window);
+for (const poles of [6, 12, 30]) for (const errors of ['not known', 'known', 'correlated']) for (const window of [0, 16384]) fits(poles, errors, window);

@@ -40,40 +40,80 @@ void take_window(const Json& shape, std::span<const double> values, FrequencyRes
   r.sample_rate = static_cast<double>(values.size()) / duration;
 }
 
-/// Variances σ²_oi of a line as noise and input factor, whose products they are.
-void add_errors(const Eigen::MatrixXd& variance, FrequencyResponses& r) {
+/// Variances σ²_oi of a line as noise and input factor, whose products they are, with the
+/// correlation of inputs.
+void add_errors(const Eigen::MatrixXd& variance, const Eigen::MatrixXcd& correlation,
+                FrequencyResponses& r) {
   const Eigen::VectorXd noise = variance.rowwise().mean();
   const double whole = noise.sum();
-  const Eigen::VectorXd factor = whole > 0.0 ? Eigen::VectorXd(variance.colwise().sum() / whole)
-                                             : Eigen::VectorXd::Ones(variance.cols());
+  Eigen::VectorXd own = Eigen::VectorXd::Ones(variance.cols());
+  if (whole > 0.0) own = (variance.colwise().sum().transpose() / whole).cwiseSqrt();
   r.noise.push_back(noise.cast<std::complex<double>>().asDiagonal());
-  r.input_factor.push_back(factor.cast<std::complex<double>>().asDiagonal());
+  r.input_factor.push_back(own.asDiagonal() * correlation * own.asDiagonal());
+}
+
+/// Lists of one number per line, one after the other.
+class Lists {
+ public:
+  Lists(std::span<const double> numbers, std::size_t lines) : left_(numbers), lines_(lines) {}
+  std::span<const double> next() {
+    const auto list = left_.first(lines_);
+    left_ = left_.subspan(lines_);
+    return list;
+  }
+
+ private:
+  std::span<const double> left_;
+  std::size_t lines_;
+};
+
+/// By line. Rounded numbers must not make it singular: a little less is taken than they say.
+std::vector<Eigen::MatrixXcd> correlation_in(Lists& lists, std::size_t p, std::size_t lines,
+                                             bool any) {
+  constexpr double kept = 1.0 - 1e-4;
+  std::vector<Eigen::MatrixXcd> correlation(lines, Eigen::MatrixXcd::Identity(p, p));
+  for (std::size_t i = 0; i < p && any; ++i)
+    for (std::size_t j = i + 1; j < p; ++j) {
+      const auto re = lists.next(), im = lists.next();
+      for (std::size_t k = 0; k < lines; ++k) {
+        if (std::hypot(re[k], im[k]) > 1.0 + 1e-4) refuse("a correlation is above 1");
+        correlation[k](i, j) = kept * std::complex(re[k], im[k]);
+        correlation[k](j, i) = std::conj(correlation[k](i, j));
+      }
+    }
+  return correlation;
 }
 
 FrequencyResponses responses_of(const Json& shape, std::span<const double> numbers) {
   const auto count = [&](const char* key) { return shape.at(key).get<std::uint32_t>(); };
   const std::uint64_t q = count("outputs"), p = count("inputs"), lines = count("lines");
   const bool known = shape.at("deviations").get<bool>();
-  const std::size_t kinds = known ? 3 : 2, window = count("window");
-  constexpr std::size_t most = 1 << 20;
+  const bool correlated = shape.at("correlation").get<bool>();
+  const std::size_t window = count("window");
+  constexpr std::uint64_t most = 1 << 20;
   if (q == 0 || p == 0 || lines < 2 || q > most || p > most || lines > most) refuse("no lines");
-  if (numbers.size() != lines * (1 + kinds * q * p) + window) refuse("another number of values");
+  if (correlated && !known) refuse("a correlation of errors that are not known");
+  const std::uint64_t lists = 1 + (known ? 3 : 2) * q * p + (correlated ? p * (p - 1) : 0);
+  if (numbers.size() != lines * lists + window) refuse("another number of values");
   if (!all_finite(numbers)) refuse("not all values are finite");
   FrequencyResponses r;
-  take_axis(shape, numbers.first(lines), r);
+  Lists all(numbers, lines);
+  take_axis(shape, all.next(), r);
   take_window(shape, numbers.last(window), r);
-  for (std::size_t k = 0; k < lines; ++k) {
-    Eigen::MatrixXcd H(q, p);
-    Eigen::MatrixXd variance(q, p);
-    for (std::size_t o = 0; o < q; ++o)
-      for (std::size_t i = 0; i < p; ++i) {
-        const double* entry = &numbers[lines * (1 + kinds * (o * p + i)) + k];
-        H(o, i) = {entry[0], entry[lines]};
-        if (known) variance(o, i) = entry[2 * lines] * entry[2 * lines];
-      }
-    r.H.push_back(std::move(H));
-    if (known) add_errors(variance, r);
-  }
+  std::vector<Eigen::MatrixXcd> H(lines, Eigen::MatrixXcd(q, p));
+  std::vector<Eigen::MatrixXd> variance(known ? lines : 0, Eigen::MatrixXd(q, p));
+  for (std::size_t o = 0; o < q; ++o)
+    for (std::size_t i = 0; i < p; ++i) {
+      const auto re = all.next(), im = all.next();
+      for (std::size_t k = 0; k < lines; ++k) H[k](o, i) = {re[k], im[k]};
+      if (!known) continue;
+      const auto deviation = all.next();
+      for (std::size_t k = 0; k < lines; ++k) variance[k](o, i) = deviation[k] * deviation[k];
+    }
+  r.H = std::move(H);
+  if (!known) return r;
+  const auto correlation = correlation_in(all, p, lines, correlated);
+  for (std::size_t k = 0; k < lines; ++k) add_errors(variance[k], correlation[k], r);
   return r;
 }
 

@@ -14,9 +14,11 @@ class MeasuredFit {
  public:
   /// `{ "outputs", "inputs", "lines", "deviations": are they known?, "shift" [1/s],
   /// "residual_terms": as many as the identification has, 0: those of FitOptions, "window": of how
-  /// many values, "duration" [s] }`. `numbers`: frequencies [Hz]; by output and input Re H of all
-  /// lines, Im H of all lines and the deviations where they are known; ρ − 1 of the window at even
-  /// lags. Throws std::invalid_argument for what is no measurement.
+  /// many values, "duration" [s], "correlation": are the errors of inputs correlated? }`.
+  /// `numbers`: frequencies [Hz]; by output and input Re H of all lines, Im H of all lines and the
+  /// deviations where they are known; where errors of inputs are correlated, by pairs i < j Re and
+  /// Im of their correlation; ρ − 1 of the window at even lags. Throws std::invalid_argument for
+  /// what is no measurement.
   MeasuredFit(const report::Json& shape, std::span<const double> numbers);
   MeasuredFit(const MeasuredFit&) = delete;
   MeasuredFit& operator=(const MeasuredFit&) = delete;

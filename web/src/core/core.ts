@@ -78,6 +78,7 @@ export interface MeasuredShape {
   inputs: number;
   lines: number;
   deviations: boolean;
+  correlation: boolean;
   shift: number;
   residual_terms: number;
   window: number;

@@ -32,12 +32,14 @@ export class Fitter {
 
   /** Hands the measured responses to the core. */
   static async start(core: Core, { responses, taper, residuals }: Identification): Promise<Fitter> {
-    const { frequency_hz, response, shift_per_s } = responses;
+    const { frequency_hz, response, shift_per_s, input_correlation } = responses;
     const entries = response.flat();
     const deviations = entries.every(({ deviation }) => deviation !== undefined);
+    const correlation = deviations ? (input_correlation ?? []) : [];
     const numbers = [
       frequency_hz,
       ...entries.flatMap(({ re, im, deviation = [] }) => (deviations ? [re, im, deviation] : [re, im])),
+      ...correlation.flatMap(({ re, im }) => [re, im]),
       taper?.values ?? [],
     ].flatMap(plain);
     const [outputs, inputs, lines] = [response.length, response[0]?.length ?? 0, frequency_hz.length];
@@ -47,6 +49,7 @@ export class Fitter {
         inputs,
         lines,
         deviations,
+        correlation: correlation.length > 0,
         shift: shift_per_s,
         residual_terms: residuals.terms.length,
         window: taper?.values.length ?? 0,

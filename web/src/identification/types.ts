@@ -102,6 +102,8 @@ export interface Identification {
   responses: Measured & {
     radius_95: number | null;
     shift_per_s: number;
+    /** Of the errors of inputs, by pairs i < j. */
+    input_correlation: Vector[] | null;
     multiple_coherence?: number[][];
   };
   taper: Taper | null;
