@@ -359,7 +359,8 @@ FmuUnit base_unit(std::string_view symbol) {
     std::string_view symbol;
     FmuUnit unit;
   };
-  constexpr std::array<Named, 7> known{Named{"1", {}},
+  constexpr std::array<Named, 8> known{Named{"1", {}},
+                                       Named{"Hz", {.s = -1}},
                                        Named{"kg", {.kg = 1}},
                                        Named{"m", {.m = 1}},
                                        Named{"s", {.s = 1}},

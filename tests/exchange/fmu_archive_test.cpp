@@ -250,12 +250,21 @@ class Structure {
     for (const auto& [unknown, on] : listed_)
       for (const auto& [known, word] : on) {
         if (name(unknown).ends_with("stop_force")) continue;  // 0 off the stops
+        if (turns_with_leg(name(unknown)) && is_speed(name(known))) continue;
         EXPECT_TRUE(seen_.contains({unknown, known}))
             << name(unknown) << " never changes with " << name(known);
       }
   }
 
  private:
+  /// States of seals have components in a frame that turns with the leg. All speeds of the leg are
+  /// listed for them; some do not turn it, as that of the piston along t.
+  static bool turns_with_leg(const std::string& name) {
+    return name.find(".sleeve_") != std::string::npos || name.find(".ring_") != std::string::npos;
+  }
+  static bool is_speed(const std::string& name) {
+    return name.ends_with("_rate") || name == "vx" || name == "vy" || name == "vz";
+  }
   [[nodiscard]] const std::string& name(unsigned reference) const {
     return interface_.variables[reference].name;
   }

@@ -82,7 +82,8 @@ const std::vector<WrongInput> wrong_files{
      {{"gimbal_axis = [0, 1, 0]", "base_joint = [0, 1, 0]"}},
      {},
      "m.toml:13:1: error: legs.base_joint: unknown key; known here: gimbal_axis, "
-     "gimbal_cross_inertia, added_axial_inertia, gimbal_stiffness, bending, case, rod, "
+     "gimbal_cross_inertia, added_axial_inertia, gimbal_stiffness, stick_stiffness, bending, case, "
+     "rod, "
      "guide_sleeve, "
      "piston_ring, oil_spring, "
      "stroke, strut, screw, joint_limits, valve, leakage, friction, joint_friction, end_stops, "

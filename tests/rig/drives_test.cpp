@@ -30,6 +30,7 @@ TEST(RigOnElectricCylinders, ShowsTheModesOfPlatformAndMotors) {
   for (const auto& pole : poles.poles) {
     const double frequency = pole.omega / two_pi;
     if (!pole.oscillates() || pole.damping_ratio > 0.15 || frequency > 200.0) continue;
+    if (frequency < 1e-3) continue;  // motors that turn freely, but for rounding
     ASSERT_FALSE(found.modes.empty());
     const auto mode = std::ranges::min_element(
         found.modes, {}, [&](const auto& one) { return std::abs(one.fit.omega() - pole.omega); });
