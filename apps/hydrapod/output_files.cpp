@@ -127,6 +127,11 @@ void check_outputs(const std::vector<NamedFile>& inputs, const std::vector<Named
                                 *kind));
   }
   if (!faults.empty()) throw base::InputError(faults);
+  for (const auto& output : outputs) {
+    std::error_code ignored;
+    if (!force && is_file_name(output.path) && !fs::exists(output.path, ignored))
+      base::expect_no_file(output.path);
+  }
 }
 
 std::size_t result_format(const std::string& format, const std::string& output,

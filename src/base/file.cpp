@@ -12,6 +12,8 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <mutex>
+#include <set>
 #include <system_error>
 
 #include "hydrapod/base/error.hpp"
@@ -185,6 +187,31 @@ void write_file_whole(const std::string& path, std::string_view text) {
   write_beside_and_rename(target, path, text);
 }
 
+namespace {
+
+/// Of expect_no_file.
+struct Expected {
+  std::mutex lock{};
+  std::set<std::string> absent{};
+};
+Expected& expected() {
+  static Expected all;
+  return all;
+}
+
+bool is_expected_absent(const std::string& target) {
+  const std::scoped_lock locked(expected().lock);
+  return expected().absent.contains(target);
+}
+
+}  // namespace
+
+void expect_no_file(const std::string& path) {
+  const std::string target = target_of(path);
+  const std::scoped_lock locked(expected().lock);
+  expected().absent.insert(target);
+}
+
 PartFile::PartFile(const std::string& path) : path_(path) {
   if (path.empty()) refuse(path, ENOENT);
   if (path == "-") refuse(path, "cannot write this to the standard output");
@@ -195,6 +222,8 @@ PartFile::PartFile(const std::string& path) : path_(path) {
   if (fs::is_directory(status)) refuse(path, EISDIR);
   if (replaces_ && !fs::is_regular_file(status))
     refuse(path, "cannot write the file: it is a device or pipe");
+  if (replaces_ && is_expected_absent(target_))
+    refuse(path, "was written by another program meanwhile and was left as it is");
   if (replaces_ && ::access(target_.c_str(), W_OK) != 0) refuse(path, errno);
   const auto [name, descriptor] = make_new_file(target_ + ".part", target_, path);
   const Descriptor file(descriptor);
@@ -229,6 +258,8 @@ std::string PartFile::commit(bool complete) {
   if (cause != 0) fail_and_keep(cause);
   committed_ = true;
   sync_folder_of(target_);
+  const std::scoped_lock locked(expected().lock);
+  expected().absent.erase(target_);
   return path_;
 }
 

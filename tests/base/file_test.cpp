@@ -104,6 +104,24 @@ TEST(PartFile, LeavesThePartOfAKilledRun) {
   EXPECT_EQ(files_in(folder), 2);
 }
 
+TEST(PartFile, LeavesAFileThatCameToBeThereBetweenTheCheckAndThePart) {
+  const TemporaryFolder folder;
+  const std::string path = (folder / "a.dat").string(), own = (folder / "b.dat").string();
+  expect_no_file(path);
+  test::write_text(path, "of another program");
+  EXPECT_THROW(PartFile{path}, InputError);
+  EXPECT_EQ(test::read_text(path), "of another program");
+  expect_no_file(own);
+  for (const std::string text : {"first", "second"}) {  // its own it may replace
+    PartFile file(own);
+    test::write_text(file.part(), text);
+    EXPECT_EQ(file.commit(), own);
+    EXPECT_EQ(test::read_text(own), text);
+  }
+  fs::remove(path);
+  EXPECT_NO_THROW(PartFile{path});
+}
+
 TEST(PartFile, AnIncompleteOneReplacesNoFile) {
   const TemporaryFolder folder;
   const std::string path = (folder / "a.dat").string();

@@ -75,6 +75,11 @@ class PartFile {
   bool kept_{};
 };
 
+/// There is no file at `path`, and this program was not told to replace one. If another program
+/// makes one there before this one does, a PartFile of this path throws InputError and leaves it as
+/// it is. Holds for the whole process, until a PartFile has made the file.
+void expect_no_file(const std::string& path);
+
 struct TableStyle {
   char separator{','};
   bool decimal_comma{};
