@@ -182,7 +182,26 @@ TEST_F(OtherLegs, ScrewsAreExcitedOnTheRig) {
   EXPECT_THAT(fast.err, HasSubstr("for rotor and platform, and its limit leaves"));
 }
 
-TEST_F(OtherLegs, DrivesNeedLimitsAndArePartOfNoExport) {
+TEST_F(OtherLegs, DrivesArePartOfStateSpaces) {
+  for (const char* system : {"plant", "loop"})
+    for (const char* format : {"mat", "npz", "json", "hdf5"}) {
+      const auto result = run({"export", "screws.toml", "--to", format, "--system", system, "-o",
+                               std::string("drives.") + format, "--force"});
+      EXPECT_EQ(result.exit_code, 0) << format << ": " << result.err;
+      EXPECT_THAT(result.out, HasSubstr("friction of the motors"));
+      EXPECT_THAT(result.out, Not(HasSubstr("valves")));
+    }
+  EXPECT_EQ(run({"export", "screws.toml", "--to", "json", "--system", "loop", "--outputs",
+                 "leg1.torque,z", "--reduce", "40", "-o", "drives.json"})
+                .exit_code,
+            0);
+  const auto json = nlohmann::json::parse(test::read_text(folder_ / "drives.json"));
+  EXPECT_EQ(json["inputs"][12]["name"], "leg1.drive");
+  EXPECT_EQ(json["outputs"][0]["unit"], "N m");
+  EXPECT_GT(std::abs(json["outputs"][0]["rest"].get<double>()), 0.1);
+}
+
+TEST_F(OtherLegs, DrivesNeedLimitsAndArePartOfNoFmu) {
   test::write_text(folder_ / "endless.toml",
                    std::regex_replace(test::screw_file, std::regex("torque_limit[^\n]*\n"), ""));
   constexpr auto missing =
@@ -200,11 +219,9 @@ TEST_F(OtherLegs, DrivesNeedLimitsAndArePartOfNoExport) {
   EXPECT_EQ(run({"modes", "endless.toml", "--open-loop"}).exit_code, 0);
   constexpr auto refused =
       "legs.screw: error: has no valves, oil and supply, and this needs hydraulics; expected what "
-      "contains electric drives (simulate, rig, modes, bode), or hydraulic cylinders "
+      "contains electric drives (simulate, rig, modes, bode, state spaces), or hydraulic cylinders "
       "(legs.oil_spring)\n";
   for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
-           {"export", "screws.toml", "--to", "mat", "--system", "plant", "-o", "plant.mat"},
-           {"export", "screws.toml", "--to", "mat", "--system", "loop", "-o", "loop.mat"},
            {"export", "screws.toml", "--to", "fmu2", "-o", "screws.fmu"},
            {"serve", "screws.toml", "--udp", "0", "--duration", "0.1"}}) {
     const auto result = run(arguments);

@@ -23,27 +23,11 @@ using Eigen::MatrixXd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
 using test::rise;
+using test::smooth;
 using test::symmetric_screws;
+using test::ugly_screws;
 using testing::HasSubstr;
 using S = test::SymmetricScrews;
-
-/// Dampers of every kind, compliant gimbals, gravity.
-model::Machine ugly_screws() {
-  auto machine = test::machine_of(test::screw_file);
-  machine.damping.rayleigh_mass = 0.37;
-  machine.damping.rayleigh_stiffness = 1.3e-5;
-  machine.damping.modal_ratio = 0.0;
-  for (int i = 0; i < 5; ++i)  // the sixth is rigid
-    machine.legs[static_cast<std::size_t>(i)].gimbal_stiffness = 1.9e8 + 3e7 * i;
-  return machine;
-}
-
-/// Without what a linear model leaves out: Coulomb friction, steps of the converter.
-model::Machine smooth(model::Machine machine) {
-  for (auto& leg : machine.legs) leg.screw->friction_torque = 0.0;
-  machine.controller.output.resolution = 0.0;
-  return machine;
-}
 
 VectorXcd eigenvalues(const MatrixXd& A) {
   return Eigen::EigenSolver<MatrixXd>(A, false).eigenvalues();
