@@ -197,7 +197,7 @@ void require_hydraulics(const model::Machine& machine) {
   if (model::leg_type(machine) == model::LegType::screw)
     base::refuse("legs.screw",
                  "has no valves, oil and supply, and this needs hydraulics; expected what contains "
-                 "electric drives (simulate, rig, modes, bode, state spaces), or hydraulic "
+                 "electric drives (simulate, serve, rig, modes, bode, state spaces), or hydraulic "
                  "cylinders (legs.oil_spring)");
 }
 

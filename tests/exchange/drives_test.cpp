@@ -28,14 +28,14 @@ MatrixXcd response_at(const StateSpace& system, double omega) {
          system.D.cast<std::complex<double>>();
 }
 
-Index place(const std::vector<Signal>& signals, const std::string& name) {
+Index place_of(const std::vector<Signal>& signals, const std::string& name) {
   const auto found = std::ranges::find(signals, name, &Signal::name);
   EXPECT_NE(found, signals.end()) << name;
   return found - signals.begin();
 }
 
 const Signal& signal_named(const std::vector<Signal>& signals, const std::string& name) {
-  return signals[static_cast<std::size_t>(place(signals, name))];
+  return signals[static_cast<std::size_t>(place_of(signals, name))];
 }
 
 /// All six drives together move the platform in heave: z, s_n, their rates, T_i.
@@ -81,8 +81,8 @@ TEST(StateSpaceOfDrives, HasTheTorqueThatItsSpeedLoopIntegrates) {
       const auto system =
           state_space(machine, machine.neutral(), {.system = kind, .pade_order = order});
       for (const char* leg : {"leg2.", "leg5."}) {
-        const Index i = place(system.states, std::string(leg) + "torque_integral");
-        const Index out = place(system.outputs, std::string(leg) + "torque");
+        const Index i = place_of(system.states, std::string(leg) + "torque_integral");
+        const Index out = place_of(system.outputs, std::string(leg) + "torque");
         const Eigen::RowVectorXd to = t_i * system.A.row(i);
         const double size = to.cwiseAbs().maxCoeff();
         EXPECT_LT((system.C.row(out) - to - Eigen::RowVectorXd::Unit(to.size(), i)).norm(),
@@ -90,8 +90,8 @@ TEST(StateSpaceOfDrives, HasTheTorqueThatItsSpeedLoopIntegrates) {
         const Eigen::RowVectorXd at_once = t_i * system.B.row(i);
         EXPECT_LT((system.D.row(out) - at_once).norm(), 1e-8 * at_once.norm());
         EXPECT_GT(at_once.norm(), 0.0);
-        const Index speed = place(system.outputs, std::string(leg) + "motor_speed");
-        const Index rate = place(system.states, std::string(leg) + "nut_rate");
+        const Index speed = place_of(system.outputs, std::string(leg) + "motor_speed");
+        const Index rate = place_of(system.states, std::string(leg) + "nut_rate");
         EXPECT_NEAR(system.C(speed, rate), screw.ratio(), 1e-8 * screw.ratio());
       }
     }
