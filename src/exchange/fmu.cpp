@@ -62,7 +62,11 @@ Parity parity_of(const FmuMachine& fmu, bool has_sources) {
       {Held::exact, "numbers of the machine file that the plant depends on",
        "parameters in SI units: what changes no length can be tuned during a simulation, all "
        "else is set before the FMU is initialized"}};
-  if (fmu.hydraulics)
+  if (fmu.drives())
+    parity.push_back({Held::exact, "motors, screws, speed loops, friction",
+                      fmu.controlled ? "commands of the drives come from the controller inside"
+                                     : "inputs are the commands of the drives"});
+  else if (fmu.hydraulics)
     parity.push_back({Held::exact, "chambers, valves, supply, friction",
                       fmu.controlled ? "valve commands come from the controller inside"
                                      : "inputs are the valve commands"});
@@ -105,7 +109,7 @@ FmuMachine machine_of(const Machine& machine, const model::NamedPose& pose,
 
 Fmu fmu(const Machine& machine, const model::NamedPose& pose, const FmuOptions& options,
         const FileHead& head) {
-  if (options.hydraulics) hydraulics::require_hydraulics(machine);
+  if (options.hydraulics) hydraulics::require_actuators(machine);
   auto held = machine_of(machine, pose, options);
   const simulation::Plant plant(held.machine, held.kind, held.options(), held.reference());
   const auto rest = plant.equilibrium(held.reference());

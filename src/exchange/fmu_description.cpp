@@ -222,13 +222,14 @@ std::string fmu_description(const FmuContent& fmu) {
   std::string head = fmt::format(
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiModelDescription fmiVersion=\"{}\"",
       is_fmi3(fmu) ? "3.0" : "2.0");
-  head += attribute("modelName", fmu.title) +
-          attribute(is_fmi3(fmu) ? "instantiationToken" : "guid", fmu.machine.token) +
-          attribute("description", fmu.machine.hydraulics
-                                       ? "hydraulic hexapod: mechanics, chambers, valves, supply"
-                                       : "hexapod: mechanics moved by axial forces in the legs") +
-          attribute("generationTool", "hydrapod") +
-          attribute("variableNamingConvention", "structured");
+  head +=
+      attribute("modelName", fmu.title) +
+      attribute(is_fmi3(fmu) ? "instantiationToken" : "guid", fmu.machine.token) +
+      attribute("description",
+                fmu.machine.drives() ? "electric hexapod: mechanics, screws, motors, speed loops"
+                : fmu.machine.hydraulics ? "hydraulic hexapod: mechanics, chambers, valves, supply"
+                                         : "hexapod: mechanics moved by axial forces in the legs") +
+      attribute("generationTool", "hydrapod") + attribute("variableNamingConvention", "structured");
   if (!is_fmi3(fmu))
     head += fmt::format(" numberOfEventIndicators=\"{}\"", fmu.interface.indicators.size());
   return head + ">\n" + interfaces(fmu) + units(fmu) +

@@ -24,10 +24,11 @@ bool concerns(std::string_view path, const FmuMachine& fmu) {
   if (std::ranges::any_of(never, begins)) return false;
   if (path.starts_with("controller.")) return fmu.controlled;
   // The number of segments says which states there are.
-  const bool waves = fmu.hydraulics && fmu.machine.hydraulics.lines.segments > 0.0;
+  const bool oil = fmu.hydraulics && !fmu.drives();
+  const bool waves = oil && fmu.machine.hydraulics.lines.segments > 0.0;
   if (path == "legs.stick_stiffness") return !fmu.hydraulics;  // of linear models
   if (path.starts_with("lines.")) return waves && path != "lines.segments";
-  return fmu.hydraulics || !std::ranges::any_of(of_oil, begins);
+  return oil || !std::ranges::any_of(of_oil, begins);
 }
 
 /// On them the force of each leg at rest at the reference pose depends.
@@ -39,7 +40,7 @@ constexpr std::array of_rest{"environment.gravity",
                              "legs.piston_ring.stiffness"};
 
 /// What enters the equations of motion and no lengths: masses, inertias, stiffnesses, dampers,
-/// valves, friction, leakage, oil and supply.
+/// valves, friction, leakage, oil and supply, motors.
 constexpr std::array of_equations{"environment.gravity",
                                   "platform.mass",
                                   "platform.inertia",
@@ -77,6 +78,15 @@ constexpr std::array of_equations{"environment.gravity",
                                   "legs.end_stops.damping",
                                   "legs.oil_spring.cylinder.bulk_modulus",
                                   "legs.equivalent_cylinder.bulk_modulus",
+                                  "legs.screw.stiffness",
+                                  "legs.screw.damping",
+                                  "legs.screw.inertia",
+                                  "legs.screw.torque_limit",
+                                  "legs.screw.speed_limit",
+                                  "legs.screw.friction_torque",
+                                  "legs.screw.viscous_friction",
+                                  "legs.screw.speed_bandwidth",
+                                  "legs.screw.speed_integral_time",
                                   "supply.pressure",
                                   "supply.return_pressure",
                                   "supply.pump_flow",
@@ -105,7 +115,7 @@ bool is_tunable(const model::Machine& machine, std::string_view row) {
       });
   if (counts_from_rest && std::ranges::any_of(of_rest, is)) return false;
   const bool area_by_load = std::ranges::any_of(machine.legs, [](const auto& leg) {
-    return !leg.oil_spring.cylinder && !leg.hydraulics.equivalent_cylinder.area;
+    return !leg.screw && !leg.oil_spring.cylinder && !leg.hydraulics.equivalent_cylinder.area;
   });
   constexpr std::array of_area{"environment.gravity", "platform.mass", "supply.pressure"};
   return !(area_by_load && std::ranges::any_of(of_area, is));
@@ -195,12 +205,16 @@ FmuVariable input_variable(const FmuMachine& fmu, int k) {
              turn ? 0.1 : 1.0);
     return made;
   }
-  made.name = "leg" + std::to_string(k + 1) + (fmu.hydraulics ? ".valve_command" : ".axial_force");
+  made.name =
+      "leg" + std::to_string(k + 1) + '.' + (fmu.hydraulics ? fmu.command_name() : "axial_force");
   if (!fmu.hydraulics) {
     describe("N", "force on the piston along the leg, + pushes the leg out", 1e4);
     return made;
   }
-  describe("1", "command of the valve in shares of full travel, + extends the leg", 1.0);
+  describe("1",
+           fmu.drives() ? "command of the motor's speed in shares of the largest, + extends the leg"
+                        : "command of the valve in shares of full travel, + extends the leg",
+           1.0);
   made.low = -1.0;
   made.high = 1.0;
   return made;
@@ -212,7 +226,8 @@ bool shown(const simulation::StateLayout& layout, int k) {
     return first >= 0 && k >= first && k < first + count;
   };
   const bool spool_position = within(layout.spools, 12) && (k - layout.spools) % 2 == 0;
-  return within(layout.velocity(), 6) || within(layout.pressures, 12) || spool_position ||
+  const bool nut = within(layout.nuts, 18) && (k - layout.nuts) % 3 == 0;
+  return within(layout.velocity(), 6) || within(layout.pressures, 12) || spool_position || nut ||
          k == layout.supply;
 }
 
@@ -225,6 +240,10 @@ std::string state_description(const simulation::StateLayout& layout, int k, bool
     of = "angular velocity of the platform, base axes";
   if (layout.pressures >= 0 && k >= layout.pressures) of = "chamber pressure, absolute";
   if (layout.spools >= 0 && k >= layout.spools) of = "spool of the valve, in travels";
+  constexpr std::array of_drives{"way of the nut", "speed of the nut",
+                                 "integral part of the motor's torque"};
+  if (layout.nuts >= 0 && k >= layout.nuts && k < layout.nuts + 3 * model::leg_count)
+    of = of_drives.at(static_cast<std::size_t>((k - layout.nuts) % 3));
   if (layout.supply >= 0 && k >= layout.supply) of = "supply pressure, absolute";
   if (layout.bristles >= 0 && k >= layout.bristles) of = "bend of the seal's bristles";
   for (const int first : layout.lines)
@@ -326,9 +345,11 @@ FmuInterface fmu_interface(const FmuMachine& fmu, const Plant& plant) {
   for (int leg = 0; leg < model::leg_count && fmu.controlled; ++leg)
     all.push_back({.role = FmuRole::drive,
                    .index = leg,
-                   .name = "leg" + std::to_string(leg + 1) + ".valve_command",
+                   .name = "leg" + std::to_string(leg + 1) + '.' + fmu.command_name(),
                    .unit = "1",
-                   .description = "command of the valve by the controller, + extends the leg",
+                   .description = std::string("command of the ") +
+                                  (fmu.drives() ? "motor's speed" : "valve") +
+                                  " by the controller, + extends the leg",
                    .nominal = 1.0});
   return result;
 }

@@ -9,9 +9,10 @@
 /// states, derivatives (of the states, in their order), outputs, event indicators, parameters, and
 /// with the controller its drives. Some states are outputs as well.
 ///
-/// Inputs are the commands of the valves, or without hydraulics the axial forces on the pistons,
-/// then the wrench on the platform about its mass centre. With the controller inside, the commanded
-/// displacement and its rate stand in the place of the valves' commands, which are outputs then.
+/// Inputs are the commands of the valves or of electric drives, or without either the axial forces
+/// on the pistons, then the wrench on the platform about its mass centre. With the controller
+/// inside, the commanded displacement and its rate stand in the place of these commands, which are
+/// outputs then.
 /// Parameters are the numbers of the machine file that the plant depends on; what stands for all
 /// legs there is a parameter of each leg here. Those that enter the equations alone, and not what
 /// the states mean, can be tuned during a simulation.
@@ -30,14 +31,22 @@ namespace hydrapod::exchange {
 struct FmuMachine {
   model::Machine machine{};
   dynamics::ModelKind kind{dynamics::ModelKind::guide};
-  bool hydraulics{true};
-  bool controlled{};                  ///< the controller is inside; with hydraulics only
+  bool hydraulics{true};              ///< the actuators are inside, electric ones too
+  bool controlled{};                  ///< the controller is inside; with actuators only
   std::string token{};                ///< the FMU's guid or instantiation token
   std::vector<double> input_start{};  ///< what holds the machine at rest
 
   [[nodiscard]] const spatial::Pose& reference() const { return machine.poses.back().X_BP; }
   [[nodiscard]] simulation::PlantOptions options() const {
     return {.hydraulics = hydraulics, .oil_springs = false};
+  }
+  /// Motors and screws are inside.
+  [[nodiscard]] bool drives() const {
+    return hydraulics && model::leg_type(machine) == model::LegType::screw;
+  }
+  /// How the command of an actuator is called, behind its leg.
+  [[nodiscard]] const char* command_name() const {
+    return drives() ? "drive_command" : "valve_command";
   }
   /// The first input of the wrench.
   [[nodiscard]] int wrench_input() const { return controlled ? 12 : 6; }

@@ -19,7 +19,8 @@ constexpr unsigned leg_stretch = pose_parts | part::flexible;
 constexpr unsigned leg_speed = leg_stretch | part::velocity | part::turning | part::flexible_rate;
 constexpr unsigned accelerations = leg_speed | part::pressure | part::bristle | part::base |
                                    part::base_rate | part::axial | part::wrench | part::arms |
-                                   part::payload;
+                                   part::payload | part::nut | part::nut_rate;
+constexpr unsigned motor_torque = part::nut_rate | part::torque_integral | part::valve;
 
 double pose_coordinate(const PlantOutput& out, int k) {
   return k < 3 ? out.X_BP.p_BP[k] : spatial::rpy_from_rotation(out.X_BP.R_BP)[k - 3];
@@ -66,7 +67,7 @@ void add_platform(const Plant& plant, std::vector<FmuOutput>& all) {
 std::vector<FmuOutput> fmu_output_table(const Plant& plant) {
   std::vector<FmuOutput> all;
   add_platform(plant, all);
-  const bool oil = plant.options().hydraulics;
+  const bool drives = plant.layout().nuts >= 0, oil = plant.options().hydraulics && !drives;
   for (int leg = 0; leg < leg_count; ++leg) {
     const auto& on = plant.machine().legs[static_cast<std::size_t>(leg)];
     const auto add = [&](const char* name, const char* unit, const char* description,
@@ -75,19 +76,31 @@ std::vector<FmuOutput> fmu_output_table(const Plant& plant) {
                      leg, leg, parts});
     };
     const bool gives = on.gimbal_stiffness.has_value();
-    const unsigned oil_force = gives ? (oil ? part::pressure : part::axial) : 0U;
-    const unsigned oil_rate = gives && oil ? part::pressure | part::inflow : 0U;
+    const unsigned force = !gives ? 0U : drives ? part::nut : oil ? part::pressure : part::axial;
+    const unsigned force_rate = !gives   ? 0U
+                                : drives ? part::nut_rate
+                                : oil    ? part::pressure | part::inflow
+                                         : 0U;
     add("length", "m", "between the joints", 1.0, of_leg<&Leg::length>, pose_parts);
     add("length_rate", "m/s", "rate of the length", 0.1, of_leg<&Leg::length_rate>,
         pose_parts | part::velocity | part::turning);
     add("piston", "m", "position of the piston from the base joint along the cylinder", 1.0,
-        of_leg<&Leg::piston>, leg_stretch | oil_force);
+        of_leg<&Leg::piston>, leg_stretch | force);
     add("piston_rate", "m/s",
-        oil ? "speed of the piston in the cylinder"
+        oil || drives
+            ? "speed of the piston in the cylinder"
             : "speed of the piston in the cylinder, without the rate of the gimbals' stretch",
-        0.1, of_leg<&Leg::piston_rate>, leg_speed | oil_rate);
+        0.1, of_leg<&Leg::piston_rate>, leg_speed | force_rate);
     add("stop_force", "N", "of the end stops on the piston, + pushes the leg out", 1e4,
         of_leg<&Leg::stop_force>, leg_speed);
+    if (drives) {
+      add("screw_force", "N", "of the screw on the rod, + pushes the leg out", 1e4,
+          of_leg<&Leg::oil_force>, leg_speed | part::nut | part::nut_rate);
+      add("motor_speed", "rad/s", "of the motor, + extends the leg", 100.0,
+          of_leg<&Leg::motor_speed>, part::nut_rate);
+      add("torque", "N m", "of the motor, + extends the leg", 10.0, of_leg<&Leg::torque>,
+          motor_torque);
+    }
     if (!oil) continue;
     add("oil_force", "N", "of the oil on the piston, + pushes the leg out", 1e4,
         of_leg<&Leg::oil_force>, part::pressure);
@@ -106,6 +119,7 @@ std::vector<double> fmu_outputs(const Plant& plant, const double* x,
 }
 
 unsigned fmu_acceleration_parts() { return accelerations; }
+unsigned fmu_torque_parts() { return motor_torque; }
 unsigned fmu_speed_parts() { return leg_speed; }
 unsigned fmu_stretch_parts() { return leg_stretch; }
 

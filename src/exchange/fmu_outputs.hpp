@@ -21,12 +21,15 @@ inline constexpr unsigned supply = 1U << 10U;
 inline constexpr unsigned bristle = 1U << 11U;
 inline constexpr unsigned base = 1U << 12U;
 inline constexpr unsigned base_rate = 1U << 13U;
-inline constexpr unsigned valve = 1U << 14U;  ///< command
+inline constexpr unsigned valve = 1U << 14U;  ///< command, also of an electric drive
 inline constexpr unsigned axial = 1U << 15U;  ///< force
 inline constexpr unsigned wrench = 1U << 16U;
 inline constexpr unsigned inflow = 1U << 17U;   ///< into the chambers: of valves or lines
 inline constexpr unsigned arms = 1U << 18U;     ///< of elastomers, with what says how soft they are
 inline constexpr unsigned payload = 1U << 19U;  ///< its modes, with their rates
+inline constexpr unsigned nut = 1U << 20U;      ///< its way
+inline constexpr unsigned nut_rate = 1U << 21U;
+inline constexpr unsigned torque_integral = 1U << 22U;
 }  // namespace part
 
 struct FmuOutput {
@@ -40,8 +43,9 @@ struct FmuOutput {
 
 std::vector<FmuOutput> fmu_output_table(const simulation::Plant& plant);
 
-/// Parts on which accelerations depend, the speed of a piston, its position.
+/// Parts on which accelerations depend, the torque of a motor, the speed of a piston, its position.
 unsigned fmu_acceleration_parts();
+unsigned fmu_torque_parts();
 unsigned fmu_speed_parts();
 unsigned fmu_stretch_parts();
 

@@ -96,6 +96,7 @@ std::string fmu_page(const FmuContent& fmu) {
              escaped(fmu.title), three ? "3.0" : "2.0", base::version,
              fmu.machine.controlled
                  ? "The controller inside reads the true lengths and pressures at its samples."
+             : fmu.machine.drives() ? "The drives hold it there at the command 0."
              : fmu.machine.hydraulics
                  ? "The start values of the valve commands hold it there."
                  : "The start values of the axial forces hold it there; there is no oil spring.") +

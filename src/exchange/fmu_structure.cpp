@@ -97,7 +97,7 @@ class Knowns {
  private:
   void of_leg(unsigned parts, int i) {
     const int flexible = plant_.mechanics().flexible();
-    const bool oil = layout_.pressures >= 0;
+    const bool oil = layout_.pressures >= 0, drives = layout_.nuts >= 0;
     if ((parts & part::flexible) != 0) states(7 + flexible * i, flexible);
     if ((parts & part::flexible_rate) != 0) states(layout_.velocity() + 6 + flexible * i, flexible);
     if ((parts & part::pressure) != 0 && oil) states(layout_.cap(i), 2);
@@ -113,8 +113,11 @@ class Knowns {
         if (seal.arms >= 0) states(seal.arms, Seal::arm_states);
         if (seal.softening >= 0) state(seal.softening);
       }
-    if ((parts & part::valve) != 0 && oil && !controlled_) input(i);
-    if ((parts & part::axial) != 0 && !oil) input(i);
+    if ((parts & part::nut) != 0 && drives) state(layout_.nut(i));
+    if ((parts & part::nut_rate) != 0 && drives) state(layout_.nut(i) + 1);
+    if ((parts & part::torque_integral) != 0 && drives) state(layout_.nut(i) + 2);
+    if ((parts & part::valve) != 0 && (oil || drives) && !controlled_) input(i);
+    if ((parts & part::axial) != 0 && !oil && !drives) input(i);
   }
 
   const Plant& plant_;
@@ -142,6 +145,14 @@ void of_pressure(int chamber, const Plant& plant, Knowns& knowns) {
   knowns.inflow(chamber);
   if (plant.machine().legs[static_cast<std::size_t>(leg)].gimbal_stiffness)
     knowns.inflow(chamber ^ 1);
+}
+
+/// s_n, ṡ_n or T_i.
+void of_drive(int k, const Plant& plant, Knowns& knowns) {
+  const int leg = (k - plant.layout().nuts) / 3, which = (k - plant.layout().nuts) % 3;
+  if (which == 0) return knowns.state(k + 1, true);
+  knowns.parts(fmu_torque_parts(), leg);
+  if (which == 1) knowns.parts(fmu_speed_parts() | part::nut, leg);
 }
 
 /// State `k` of a line: pressures p_0, …, p_{N−1}, then flows q_1, …, q_N.
@@ -201,6 +212,8 @@ void of_derivative(int k, const Plant& plant, Knowns& knowns) {
     if (k == layout.spool(leg)) return knowns.state(k + 1, true);
     return knowns.parts(part::spool | part::spool_rate | part::valve, leg);
   }
+  if (layout.nuts >= 0 && k >= layout.nuts && k < layout.nuts + 3 * leg_count)
+    return of_drive(k, plant, knowns);
   if (k == layout.supply) {
     knowns.state(k);
     for (int chamber = 0; chamber < 2 * leg_count; ++chamber) knowns.port(chamber);

@@ -195,10 +195,11 @@ void require_actuators(const model::Machine& machine) {
 void require_hydraulics(const model::Machine& machine) {
   require_actuators(machine);
   if (model::leg_type(machine) == model::LegType::screw)
-    base::refuse("legs.screw",
-                 "has no valves, oil and supply, and this needs hydraulics; expected what contains "
-                 "electric drives (simulate, serve, rig, modes, bode, state spaces), or hydraulic "
-                 "cylinders (legs.oil_spring)");
+    base::refuse(
+        "legs.screw",
+        "has no valves, oil and supply, and this needs hydraulics; expected what contains "
+        "electric drives (simulate, serve, rig, modes, bode, export), or hydraulic cylinders "
+        "(legs.oil_spring)");
 }
 
 Stops mechanical_stops(const model::Leg& leg) {

@@ -214,7 +214,7 @@ TEST_F(OtherLegs, DrivesAreServed) {
               HasSubstr("legs.strut: error: has no valves"));
 }
 
-TEST_F(OtherLegs, DrivesNeedLimitsAndArePartOfNoFmu) {
+TEST_F(OtherLegs, DrivesNeedLimits) {
   test::write_text(folder_ / "endless.toml",
                    std::regex_replace(test::screw_file, std::regex("torque_limit[^\n]*\n"), ""));
   constexpr auto missing =
@@ -230,17 +230,6 @@ TEST_F(OtherLegs, DrivesNeedLimitsAndArePartOfNoFmu) {
     EXPECT_EQ(result.err, missing) << arguments[0];
   }
   EXPECT_EQ(run({"modes", "endless.toml", "--open-loop"}).exit_code, 0);
-  constexpr auto refused =
-      "legs.screw: error: has no valves, oil and supply, and this needs hydraulics; expected what "
-      "contains electric drives (simulate, serve, rig, modes, bode, state spaces), or hydraulic "
-      "cylinders (legs.oil_spring)\n";
-  for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
-           {"export", "screws.toml", "--to", "fmu2", "-o", "screws.fmu"},
-           {"export", "screws.toml", "--to", "fmu3", "--system", "loop", "-o", "loop.fmu"}}) {
-    const auto result = run(arguments);
-    EXPECT_EQ(result.exit_code, 2) << arguments[0];
-    EXPECT_EQ(result.err, refused) << arguments[0] << ' ' << arguments[2];
-  }
 }
 
 }  // namespace

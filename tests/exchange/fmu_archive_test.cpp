@@ -12,6 +12,7 @@
 #include "exchange/fmu_driver.hpp"
 #include "exchange/fmu_interface.hpp"
 #include "support/bending_machine.hpp"
+#include "support/electric_platform.hpp"
 #include "support/loop_machine.hpp"
 #include "support/payload_modes.hpp"
 #include "support/random_machine.hpp"
@@ -55,6 +56,7 @@ TEST(FmuArchive, KeepsTheRulesOfTheStandards) {
   };
   add(machine_of("heavy-platform"), dynamics::ModelKind::guide);
   add(rich_machine(), dynamics::ModelKind::rigid);
+  add(electric_platform(), dynamics::ModelKind::guide);
   add(random_machine(random, {.gravity = Gravity::down}), dynamics::ModelKind::full);
   const auto run = run_program("/usr/bin/python3", arguments);
   EXPECT_EQ(0, run.exit_code) << run.out << run.err;
@@ -317,6 +319,15 @@ void expect_true_structure(const model::Machine& machine, bool hydraulics,
 
 TEST(FmuArchive, TheStructureIsTrueWithHydraulics) {
   expect_true_structure(rich_machine(), true, dynamics::ModelKind::guide);
+}
+
+/// Torques below their limits, with and without gimbals in series with the screws.
+TEST(FmuArchive, TheStructureIsTrueWithElectricDrives) {
+  auto machine = electric_platform();
+  for (auto& leg : machine.legs) leg.screw->torque_limit = 2e4;
+  expect_true_structure(machine, true, dynamics::ModelKind::guide);
+  for (auto& leg : machine.legs) leg.gimbal_stiffness = 190e6;
+  expect_true_structure(machine, true, dynamics::ModelKind::rigid);
 }
 
 /// Flows of lines, which leg 4 has none of, stand between valves and chambers.

@@ -32,7 +32,10 @@ struct Subject {
         plant(machine, dynamics::ModelKind::guide,
               {.hydraulics = of.hydraulics, .oil_springs = false}),
         rest(plant.equilibrium(machine.neutral())) {
-    const char* suffix = hydraulics ? ".valve_command" : ".axial_force";
+    const bool drives = model::leg_type(machine) == model::LegType::screw;
+    const char* suffix = !hydraulics ? ".axial_force"
+                         : drives    ? ".drive_command"
+                                     : ".valve_command";
     for (int i = 1; i <= 6; ++i)
       inputs.push_back(fmu.reference("leg" + std::to_string(i) + suffix));
     for (const char* name : {"fx", "fy", "fz", "mx", "my", "mz"})

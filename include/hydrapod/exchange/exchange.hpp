@@ -48,9 +48,9 @@
 /// src/exchange/payload_element.cpp.
 ///
 /// Functional mock-up units (FMI 2.0 and 3.0): simulation::Plant in a shared object of its own, for
-/// co-simulation and model exchange. Inputs are valve commands, or without hydraulics the axial
-/// forces on the pistons, or the commands of the controller inside, and a wrench at C; it begins at
-/// rest at the given pose.
+/// co-simulation and model exchange. Inputs are commands of valves or electric drives, or without
+/// them the axial forces on the pistons, or the commands of the controller inside, and a wrench at
+/// C; it begins at rest at the given pose.
 
 #include <Eigen/Core>
 #include <map>
@@ -242,8 +242,8 @@ using FmuSources = std::map<std::string, std::string>;
 struct FmuOptions {
   FmuVersion version{};
   dynamics::ModelKind kind{dynamics::ModelKind::guide};
-  bool hydraulics{true};  ///< false: the mechanics alone, moved by forces
-  bool controlled{};      ///< the controller is inside; with hydraulics only
+  bool hydraulics{true};  ///< actuators, electric ones too; false: mechanics moved by forces
+  bool controlled{};      ///< the controller is inside; with actuators only
   std::string object{};   ///< content of the shared object, see fmu_object_file()
   std::string notices{};  ///< licences of what is linked into it
   FmuSources sources{};   ///< of the shared object; empty: the FMU has none
