@@ -72,6 +72,7 @@ class Session {
         hardware_(hardware),
         record_(record),
         keep_going_(keep_going),
+        drives_(model::leg_type(machine) == model::LegType::screw),
         T_(machine.controller.sample_time),
         client_(hardware, layout),
         guard_(machine, operating, hardware.limits, T_, options.instruments.accelerometers.size()),
@@ -196,9 +197,11 @@ class Session {
   void start_row(const Sensors& now) {
     auto next = std::copy_n(now.valve.data(), 6, row_.begin() + 6);
     next = std::copy_n(now.length.data(), 6, next);
+    const Vector6& first = drives_ ? now.torque : now.cap_pressure;
+    const Vector6& second = drives_ ? now.motor_speed : now.rod_pressure;
     for (int leg = 0; leg < 6; ++leg) {
-      *next++ = now.cap_pressure[leg];
-      *next++ = now.rod_pressure[leg];
+      *next++ = first[leg];
+      *next++ = second[leg];
     }
     std::copy_n(now.accelerometer.data(), options_.instruments.accelerometers.size(), next);
     ++samples_;
@@ -244,6 +247,7 @@ class Session {
   const HardwareOptions& hardware_;
   const OpenRecord& record_;
   const simulation::KeepGoing& keep_going_;
+  bool drives_;  ///< electric ones
   double T_;
   Client client_;
   Guard guard_;
@@ -294,7 +298,8 @@ HardwareResult run_on_hardware(const model::Machine& machine, const Pose& operat
                                const OpenRecord& record, const simulation::KeepGoing& keep_going) {
   const Layout layout =
       hardware.layout.command.fields.empty()
-          ? native_layout(static_cast<int>(options.instruments.accelerometers.size()))
+          ? native_layout(static_cast<int>(options.instruments.accelerometers.size()),
+                          model::leg_type(machine))
           : hardware.layout;
   require_sound(options, hardware, layout, machine.controller.sample_time);
   return Session(machine, operating, options, hardware, layout, record, keep_going).run();

@@ -345,7 +345,6 @@ report::Simulation simulate(const Machine& machine, const SimulateOptions& optio
 
 Rig rig(const Machine& machine, const RigOptions& asked, const Progress& progress) {
   const auto& of = machine.file.machine;
-  if (asked.hardware) hydraulics::require_hydraulics(of);  // packets have pressures
   Rig result{.options = asked.test};
   auto& options = result.options;
   options.loop.kind = machine.kind;

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "served.hpp"
+#include "support/other_legs.hpp"
 
 namespace hydrapod::realtime {
 namespace {
@@ -41,7 +42,8 @@ class Hardware : public testing::Test {
         machine, machine.neutral(), options, hardware,
         [&]() -> data::RecordWriter& {
           return *(writer = data::open_record_writer(
-                       file, {.channels = rig::rig_channels(options), .sample_rate = 1e3}));
+                       file, {.channels = rig::rig_channels(options, model::leg_type(machine)),
+                              .sample_rate = 1e3}));
         },
         keep_going);
     writer->close();
@@ -135,6 +137,29 @@ TEST_F(Hardware, DrivesMayBeExcited) {
   const auto samples = record().samples;
   EXPECT_NEAR(std::sqrt(samples.col(2).squaredNorm() / 800.0), 0.01, 3e-3);
   EXPECT_GT(samples.col(6).cwiseAbs().maxCoeff(), 5e-3);
+}
+
+/// The motors hold the weight on average, and turn.
+TEST_F(Hardware, OfElectricCylindersIsMeasuredByItsMotors) {
+  machine = test::machine_of(test::screw_file);
+  options.signals[0].size.setConstant(2e-5);
+  Served served(server(), fixed_steps(), {}, machine);
+  const auto result = run(served);
+  EXPECT_EQ(result.rig.summary.end, RunEnd::finished) << result.rig.summary.message;
+  const auto found = record();
+  ASSERT_EQ(found.samples.rows(), 800);
+  ASSERT_TRUE(found.samples.allFinite());
+  const simulation::Plant plant(machine, dynamics::ModelKind::guide);
+  const auto rest = plant.equilibrium(machine.neutral());
+  const auto held = plant.motor_torques(rest.x.data(), Vector6::Zero());
+  for (int leg = 0; leg < 6; ++leg) {
+    const int torque = 18 + 2 * leg, speed = torque + 1;
+    EXPECT_EQ(found.header.channels[static_cast<std::size_t>(torque)].unit, "N m");
+    EXPECT_EQ(found.header.channels[static_cast<std::size_t>(speed)].unit, "rad/s");
+    EXPECT_NEAR(found.samples.col(torque).mean(), held[leg], 1.0);
+    EXPECT_GT(found.samples.col(speed).cwiseAbs().maxCoeff(), 0.1);
+    EXPECT_LT(std::abs(found.samples.col(speed).mean()), 0.1);
+  }
 }
 
 TEST_F(Hardware, IsRampedDownAtALimit) {
