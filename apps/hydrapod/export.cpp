@@ -121,8 +121,9 @@ void add_export(Command app) {
         "sdf, urdf; nonlinear plant: fmu2, fmu3",
         required},
        {"--system", arguments.system,
-        "State space of the mechanics (default), of the plant (with hydraulics), or of the loop "
-        "(with the controller); FMU of the plant (default), of the mechanics, or of the loop"},
+        "State space of the mechanics (default), of the plant (with hydraulics or electric "
+        "drives), or of the loop (with the controller); FMU of the plant (default), of the "
+        "mechanics, or of the loop"},
        {"--sample-time", arguments.sample_time,
         "Discretise, inputs held over this time: s or with a unit"},
        {"--sampled", arguments.sampled,

@@ -108,7 +108,8 @@ void run(const Arguments& arguments) {
     const auto& own = options.server.layout;
     const auto& layout =
         own.command.fields.empty()
-            ? realtime::native_layout(static_cast<int>(options.server.accelerometers.size()))
+            ? realtime::native_layout(static_cast<int>(options.server.accelerometers.size()),
+                                      model::leg_type(machine.file.machine))
             : own;
     return base::write_file_whole("-", realtime::layout_text(layout));
   }

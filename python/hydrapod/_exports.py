@@ -75,8 +75,8 @@ def machine_state_space(machine: Machine, *, system: str = "mechanics", sample_t
     """A, B, C, D with names of states, inputs and outputs.
 
     system: mechanics (states y, ẏ; inputs wrench at the point and forces of the oil columns), plant (with
-    hydraulics) or loop (with the controller). sample_time: discretised, inputs held [s]. sampled: the loop as
-    its controller samples it, exactly. point: three lengths in the platform frame; default: the mass centre.
+    hydraulics or electric drives) or loop (with the controller). sample_time: discretised, inputs held [s].
+    sampled: the loop as its controller samples it, exactly. point: three lengths in the platform frame; default: the mass centre.
     reduce: states of a balanced truncation; the bound of its error stands in to_dict()["reduction"].
 
     Result: A, B, C, D; states, inputs, outputs; state_units, …; state_rest, input_rest, output_rest (values at

@@ -20,6 +20,13 @@ void add_hydraulics(Parity& parity) {
                     "their slope at the operating point; saturation and contact are not held"});
 }
 
+void add_drives(Parity& parity) {
+  parity.push_back({Held::approximate, "friction of the motors",
+                    "its viscous part; Coulomb's has no linear model at rest"});
+  parity.push_back({Held::approximate, "limits of torque and speed, end stops, limits of sensors",
+                    "their slope at the operating point; saturation and contact are not held"});
+}
+
 }  // namespace
 
 bool has_absent(const Parity& parity) {
@@ -29,9 +36,12 @@ bool has_absent(const Parity& parity) {
 Parity state_space_parity(const StateSpace& system) {
   Parity parity{{Held::exact, small_motion, "A, B, C, D of the linearised equations, doubles"},
                 {Held::approximate, "large motions", "only the slope at this pose is held"}};
-  const bool hydraulic = std::ranges::any_of(
-      system.states, [](const auto& s) { return s.name.find(".p_cap") != std::string::npos; });
-  if (hydraulic) add_hydraulics(parity);
+  const auto has_state = [&](const char* name) {
+    return std::ranges::any_of(
+        system.states, [&](const auto& s) { return s.name.find(name) != std::string::npos; });
+  };
+  if (has_state(".p_cap")) add_hydraulics(parity);
+  if (has_state(".torque_integral")) add_drives(parity);
   if (system.pade_order > 0)
     parity.push_back({Held::approximate, "delay of the controller",
                       fmt::format("{:.4g} ms as Padé {}/{}", 1e3 * system.delay, system.pade_order,

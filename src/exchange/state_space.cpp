@@ -172,6 +172,19 @@ std::string controller_unit(const std::string& state, model::ControlSpace space)
   return angle ? "rad s" : "m s";
 }
 
+/// A linear output of the plant, by its name.
+Signal plant_signal(const std::string& name, const simulation::PlantOutput& at_rest) {
+  if (name[0] == 'a') return {name, name[1] == 'r' ? "rad/s^2" : "m/s^2", 0.0};
+  const auto& leg = at_rest.legs[static_cast<std::size_t>(name[3] - '1')];
+  const auto what = name.substr(name.find('.') + 1);
+  if (what == "l_rate") return {name, "m/s", 0.0};
+  if (what == "p_cap") return {name, "Pa", leg.cap_pressure};
+  if (what == "p_rod") return {name, "Pa", leg.rod_pressure};
+  if (what == "torque") return {name, "N m", leg.torque};
+  if (what == "motor_speed") return {name, "rad/s", leg.motor_speed};
+  return {name, "m", leg.length};
+}
+
 /// What the plant's sensors show besides the pose: its linear outputs from the lengths on.
 void add_plant_outputs(const simulation::Plant& plant, const simulation::PlantOutput& at_rest,
                        const Pose& X_BP, StateSpace& system) {
@@ -179,24 +192,35 @@ void add_plant_outputs(const simulation::Plant& plant, const simulation::PlantOu
   set_rest(pose_numbers(X_BP), 0, system.outputs);
   add_directions("ground.", "m", "rad", system.outputs);
   const auto names = plant.linear_output_names();
-  for (std::size_t i = 6; i < names.size(); ++i) {
-    const auto& name = names[i];
-    const bool pressure = name.find(".p_") != std::string::npos;
-    const bool rate = name.find("_rate") != std::string::npos;
-    const bool turn = name.find("ar") == 0;
-    Signal signal{name, pressure         ? "Pa"
-                        : rate           ? "m/s"
-                        : name[0] != 'a' ? "m"
-                        : turn           ? "rad/s^2"
-                                         : "m/s^2"};
-    if (name[0] != 'a' && !rate) {
-      const auto& leg = at_rest.legs[static_cast<std::size_t>(name[3] - '1')];
-      signal.rest = !pressure                                 ? leg.length
-                    : name.find("p_cap") != std::string::npos ? leg.cap_pressure
-                                                              : leg.rod_pressure;
-    }
-    system.outputs.push_back(std::move(signal));
-  }
+  for (std::size_t i = 6; i < names.size(); ++i)
+    system.outputs.push_back(plant_signal(names[i], at_rest));
+}
+
+/// What the outputs of the plant depend on.
+struct PlantRows {
+  MatrixXd C{};                   ///< its states
+  MatrixXd commands{}, wrench{};  ///< those of valves or motors; force and moment
+};
+
+/// Displacement of the platform against base and ground, then plant_signal()s.
+PlantRows plant_rows(const simulation::LinearSystem& linear, const simulation::LinearPlant& plant) {
+  const Index n = plant.A.rows(), more = plant.C.rows() - 6;
+  PlantRows rows{MatrixXd::Zero(12 + more, n), MatrixXd::Zero(12 + more, 6),
+                 MatrixXd::Zero(12 + more, 6)};
+  rows.C << linear.C.leftCols(n), linear.C_ground.leftCols(n), plant.C.bottomRows(more);
+  rows.commands.bottomRows(more) = plant.D.bottomLeftCorner(more, 6);
+  rows.wrench.bottomRows(more) = plant.D.bottomRightCorner(more, 6);
+  return rows;
+}
+
+/// C, and D per commanded pose and its rate, of plant and controller; the plant is the first part
+/// of the states.
+void set_outputs(const PlantRows& rows, const simulation::AppliedCommands& applied,
+                 StateSpace& system) {
+  system.C = rows.commands * applied.state;
+  system.C.leftCols(rows.C.cols()) += rows.C;
+  system.D.resize(system.C.rows(), 12);
+  system.D << rows.commands * applied.command, rows.commands * applied.velocity;
 }
 
 /// Inputs of the closed loop in front: commands and their rates.
@@ -206,19 +230,16 @@ void add_commands(const Pose& X_BP, Signals& inputs) {
   add_directions("command_rate.", "m/s", "rad/s", inputs);
 }
 
-void sample_loop(const simulation::LinearSystem& linear, Index plant_states, const Pose& X_BP,
+void sample_loop(const simulation::LinearSystem& linear, const PlantRows& rows, const Pose& X_BP,
                  StateSpace& system) {
   const Index all = linear.sampled.rows();
-  const MatrixXd C = system.C;
   system.A = linear.sampled;
   system.B.resize(all, 12);
   system.B << linear.sampled_command, linear.sampled_velocity;
-  system.C = MatrixXd::Zero(C.rows(), all);
-  system.C.leftCols(plant_states) = C.leftCols(plant_states);
-  system.D = MatrixXd::Zero(C.rows(), 12);
+  set_outputs(rows, linear.sampled_applied, system);
   system.inputs.clear();
   add_commands(X_BP, system.inputs);
-  std::size_t own = static_cast<std::size_t>(plant_states);
+  std::size_t own = static_cast<std::size_t>(rows.C.cols());
   while (own < system.states.size() && system.states[own].name.find("delay") != 0) ++own;
   system.states.resize(own);
   for (Index i = static_cast<Index>(own); i < all; ++i) {
@@ -231,39 +252,47 @@ void sample_loop(const simulation::LinearSystem& linear, Index plant_states, con
   system.pade_order = 0;
 }
 
-StateSpace with_hydraulics(const Machine& machine, const Pose& X_BP,
-                           const StateSpaceOptions& options) {
-  hydraulics::require_hydraulics(machine);
+/// States, inputs and outputs of the plant, with the controller if it is `closed`.
+void name_signals(const Machine& machine, const Pose& X_BP, const simulation::Plant& plant,
+                  const simulation::Plant::Rest& rest, const std::vector<std::string>& states,
+                  bool closed, StateSpace& system) {
+  const auto units = tangent_units(plant);
+  for (std::size_t i = 0; i < states.size(); ++i)
+    system.states.push_back(
+        {states[i],
+         i < units.size() ? units[i] : controller_unit(states[i], machine.controller.space)});
+  set_rest(tangent_rest(rest.x, X_BP), 0, system.states);
+  if (closed) add_commands(X_BP, system.inputs);
+  add_legs(model::leg_type(machine) == model::LegType::screw ? "drive" : "valve", "1",
+           system.inputs);
+  set_rest(rest.input.command, system.inputs.size() - 6, system.inputs);
+  add_wrench(system.inputs);
+  add_plant_outputs(plant, plant.outputs(rest.x.data(), rest.input), X_BP, system);
+}
+
+StateSpace with_actuators(const Machine& machine, const Pose& X_BP,
+                          const StateSpaceOptions& options) {
+  hydraulics::require_actuators(machine);
   const bool closed = options.system == SystemKind::loop;
   const auto linear = simulation::linear_system(
       machine, X_BP, {.kind = options.kind, .pade_order = options.pade_order, .closed = closed});
   const simulation::Plant plant(machine, options.kind, simulation::small_motions, X_BP);
   const auto rest = plant.equilibrium(X_BP);
-  const auto own = plant.linearise(rest.x, rest.input);
-  const Index n = own.A.rows(), all = linear.A.rows(), more = own.C.rows() - 6;
+  const auto rows = plant_rows(linear, plant.linearise(rest.x, rest.input));
   StateSpace system{.A = linear.A, .delay = linear.delay, .pade_order = linear.pade_order};
+  name_signals(machine, X_BP, plant, rest, linear.states, closed, system);
+  if (options.sampled_controller) {
+    sample_loop(linear, rows, X_BP, system);
+    return system;
+  }
   const Index commands = closed ? 12 : 0;
-  system.B.resize(all, commands + 12);
+  system.B.resize(linear.A.rows(), commands + 12);
   if (closed) system.B.leftCols(12) << linear.B_command, linear.B_velocity;
   system.B.rightCols(12) << linear.B_valve, linear.B_wrench;
-  system.C = MatrixXd::Zero(12 + more, all);
-  system.C.topRows(12) << linear.C, linear.C_ground;
-  system.C.bottomLeftCorner(more, n) = own.C.bottomRows(more);
-  system.D = MatrixXd::Zero(12 + more, commands + 12);
-  system.D.bottomRightCorner(more, 12) = own.D.bottomRows(more);
-  const auto units = tangent_units(plant);
-  for (std::size_t i = 0; i < linear.states.size(); ++i)
-    system.states.push_back(
-        {linear.states[i], i < units.size()
-                               ? units[i]
-                               : controller_unit(linear.states[i], machine.controller.space)});
-  set_rest(tangent_rest(rest.x, X_BP), 0, system.states);
-  if (closed) add_commands(X_BP, system.inputs);
-  add_legs("valve", "1", system.inputs);
-  set_rest(rest.input.command, system.inputs.size() - 6, system.inputs);
-  add_wrench(system.inputs);
-  add_plant_outputs(plant, plant.outputs(rest.x.data(), rest.input), X_BP, system);
-  if (options.sampled_controller) sample_loop(linear, n, X_BP, system);
+  if (closed) set_outputs(rows, linear.applied, system);
+  if (!closed) system.C = rows.C;
+  system.D.conservativeResize(rows.C.rows(), commands + 12);
+  system.D.rightCols(12) << rows.commands, rows.wrench;
   return system;
 }
 
@@ -344,7 +373,7 @@ StateSpace state_space(const Machine& machine, const Pose& X_BP, const StateSpac
         "StateSpaceOptions: sample_time must be ≥ 0, and sampled_controller is for the loop alone");
   StateSpace system = options.system == SystemKind::mechanics
                           ? mechanics(machine, X_BP, options)
-                          : with_hydraulics(machine, X_BP, options);
+                          : with_actuators(machine, X_BP, options);
   select(options, system);
   if (options.reduced_states > 0) system = reduced(system, options.reduced_states);
   return options.sample_time > 0.0 ? discretised(system, options.sample_time) : system;

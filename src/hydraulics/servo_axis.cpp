@@ -184,17 +184,21 @@ double falling_zero(double low, double high, Function function) {
 
 }  // namespace
 
-void require_hydraulics(const model::Machine& machine) {
+void require_actuators(const model::Machine& machine) {
   if (model::leg_type(machine) == model::LegType::strut)
     base::refuse("legs.strut",
                  "has no valves, oil and supply, and this needs hydraulics; expected what is of "
                  "mechanics alone (in simulations --actuators springs), or hydraulic cylinders "
                  "(legs.oil_spring)");
+}
+
+void require_hydraulics(const model::Machine& machine) {
+  require_actuators(machine);
   if (model::leg_type(machine) == model::LegType::screw)
     base::refuse("legs.screw",
                  "has no valves, oil and supply, and this needs hydraulics; expected what contains "
-                 "electric drives (simulate, rig, modes, bode), or hydraulic cylinders "
-                 "(legs.oil_spring)");
+                 "electric drives (simulate, serve, rig, modes, bode, state spaces), or hydraulic "
+                 "cylinders (legs.oil_spring)");
 }
 
 Stops mechanical_stops(const model::Leg& leg) {

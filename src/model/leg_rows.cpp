@@ -409,6 +409,12 @@ constexpr ParameterRow leg_rows[]{
     alone(not_mechanical(number<&Leg::screw, &Screw::viscous_friction>(
         "legs.screw.viscous_friction", "N m s/rad", standard, not_negative,
         "b of motor, bearings and nut"))),
+    alone(not_mechanical(number<&Leg::screw, &Screw::speed_bandwidth>(
+        "legs.screw.speed_bandwidth", "Hz", standard, usual(1.0, 2000.0, positive),
+        "ω_s/2π of the drive's speed loop: its gain is k_p = ω_s J"))),
+    alone(not_mechanical(number<&Leg::screw, &Screw::speed_integral_time>(
+        "legs.screw.speed_integral_time", "s", otherwise("4/ω_s"), usual(1e-4, 10.0, positive),
+        "t_i of the drive's speed loop", shown("13 ms")))),
     simulation("legs.joint_limits", "largest tilt of the joints from the neutral pose"),
     number<&Leg::joint_limits, &JointLimits::base>(
         "legs.joint_limits.base", "rad", otherwise("any"), tilt, "more than 0, no more than 180°",

@@ -110,7 +110,8 @@ std::string packet_text(Kind kind, const PacketLayout& layout) {
 
 }  // namespace
 
-Layout native_layout(int accelerometers) {
+Layout native_layout(int accelerometers, model::LegType legs) {
+  const bool drives = legs == model::LegType::screw;
   Builder command(Kind::command);
   command.constant(ValueType::u32, magic_command);
   command.constant(ValueType::u16, version);
@@ -131,8 +132,10 @@ Layout native_layout(int accelerometers) {
     sensors.all(name, ValueType::u32);
   sensors.all("trips", ValueType::u32);
   sensors.skip(4);
-  for (const char* name : {"length", "cap_pressure", "rod_pressure", "piston_acceleration", "valve",
-                           "spool", "platform", "velocity", "acceleration", "supply_pressure"})
+  for (const char* name :
+       {"length", drives ? "torque" : "cap_pressure", drives ? "motor_speed" : "rod_pressure",
+        "piston_acceleration", "valve", drives ? "nut" : "spool", "platform", "velocity",
+        "acceleration", "supply_pressure"})
     sensors.all(name);
   if (accelerometers > 0) sensors.all("accelerometer", ValueType::f64, accelerometers);
   return {.command = command.closed(), .sensors = sensors.closed()};

@@ -9,7 +9,20 @@ namespace hydrapod::realtime {
 
 namespace {
 constexpr std::uint64_t accelerometer_streams = 2'000'000;  // apart from those of rig and loop
+
+/// What all legs together can push [N].
+double strongest_push(const simulation::ClosedLoop& loop) {
+  double push = 0.0;
+  const auto& axes = loop.parameters().axes;
+  for (std::size_t i = 0; i < model::leg_count; ++i) {
+    const auto& screw = loop.plant().machine().legs[i].screw;
+    push += screw ? screw->ratio() * screw->torque_limit.value()
+                  : axes[i].supply_pressure * axes[i].piston_area;
+  }
+  return push;
 }
+
+}  // namespace
 
 Readings::Readings(const simulation::ClosedLoop& loop, const std::vector<rig::Accelerometer>& list)
     : loop_(loop) {
@@ -29,8 +42,13 @@ void Readings::read(const simulation::SampledMachine& machine, Sensors& sensors)
   sensors.rod_pressure = machine.measured.rod_pressure;
   sensors.piston_acceleration = machine.measured.acceleration;
   sensors.valve = machine.applied;
-  for (int i = 0; i < model::leg_count; ++i)
-    sensors.spool[i] = out.legs[static_cast<std::size_t>(i)].spool;
+  for (int i = 0; i < model::leg_count; ++i) {
+    const auto& leg = out.legs[static_cast<std::size_t>(i)];
+    sensors.spool[i] = leg.spool;
+    sensors.torque[i] = leg.torque;
+    sensors.motor_speed[i] = leg.motor_speed;
+    sensors.nut[i] = leg.nut;
+  }
   sensors.platform = simulation::displacement_between(loop_.operating(), out.X_BP);
   sensors.velocity = out.twist;
   sensors.acceleration = out.acceleration;
@@ -53,9 +71,7 @@ bool is_reachable(const simulation::ClosedLoop& loop, const Command& command) {
   if (!(command.rate.cwiseAbs().maxCoeff() <= fastest)) return false;
   if (!(command.drive.cwiseAbs().maxCoeff() <= most_drive)) return false;
   const auto& plant = loop.plant();
-  double strongest = 0.0;  // what all legs together can push
-  for (const auto& axis : loop.parameters().axes)
-    strongest += axis.supply_pressure * axis.piston_area;
+  const double strongest = strongest_push(loop);
   for (const Vector6* wrench : {&command.wrench, &command.next_wrench})
     if (!(wrench->cwiseAbs().maxCoeff() <= strongest)) return false;
   if (command.mode != static_cast<std::uint64_t>(Mode::pose)) return true;

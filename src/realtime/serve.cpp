@@ -48,7 +48,8 @@ class Server {
       : loop_(loop),
         options_(options),
         layout_(options.layout.command.fields.empty()
-                    ? native_layout(static_cast<int>(options.accelerometers.size()))
+                    ? native_layout(static_cast<int>(options.accelerometers.size()),
+                                    model::leg_type(loop.plant().machine()))
                     : options.layout),
         transport_(open_transport(options)),
         inbox_(layout_, options.key, new_session(),

@@ -166,6 +166,7 @@ void close_continuous(const Pieces& p, LinearSystem& system) {
   }
   system.A.topLeftCorner(n, n) += p.plant.A;
   system.A.topRows(n) += p.valve() * applied;
+  system.applied = {applied, pade.D * u_command, pade.D * u_velocity};
   system.A.block(n, 0, nc, n) += p.controller.B.leftCols(24) * p.measured;
   system.A.block(n, n, nc, nc) += p.controller.A;
   system.B_command.topRows(n) += pade.D * p.valve() * u_command;
@@ -233,6 +234,9 @@ void close_sampled(const Pieces& p, LinearSystem& system) {
   system.sampled = next.leftCols(all);
   system.sampled_command = next.middleCols(all, 6);
   system.sampled_velocity = next.rightCols(6);
+  const MatrixXd applied = drive(memory);
+  system.sampled_applied = {applied.leftCols(all), applied.middleCols(all, 6),
+                            applied.rightCols(6)};
 }
 
 }  // namespace

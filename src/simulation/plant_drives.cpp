@@ -13,7 +13,6 @@ namespace hydrapod::simulation {
 
 namespace {
 
-constexpr double default_speed_bandwidth = 50.0 * base::two_pi;  // [rad/s]
 /// Integral time times bandwidth: both poles of a free rotor are then at half the bandwidth.
 constexpr double speed_integral_ratio = 4.0;
 
@@ -27,10 +26,10 @@ constexpr double speed_integral_ratio = 4.0;
 }  // namespace
 
 SpeedLoop speed_loop(const model::Screw& screw) {
-  const double bandwidth = default_speed_bandwidth;
+  const double bandwidth = screw.speed_bandwidth * base::two_pi;
   return {.bandwidth = bandwidth,
           .gain = bandwidth * screw.inertia,
-          .integral_time = speed_integral_ratio / bandwidth};
+          .integral_time = screw.speed_integral_time.value_or(speed_integral_ratio / bandwidth)};
 }
 
 double Drive::torque(double command, double rate, double integral) const {

@@ -401,8 +401,8 @@ Rig rig(const Machine& machine, const RigOptions& asked, const Progress& progres
 
 Served serve(const Machine& machine, const ServeOptions& asked, const Progress& progress) {
   const auto& of = machine.file.machine;
-  hydraulics::require_hydraulics(of);  // packets have pressures
-  constexpr double longest = 9e8;      // [samples], a little less than a run may have
+  hydraulics::require_actuators(of);
+  constexpr double longest = 9e8;  // [samples], a little less than a run may have
   auto options = asked.server;
   auto loop_options = asked.loop;
   loop_options.kind = machine.kind;

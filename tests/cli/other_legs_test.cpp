@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fmt/format.h>
+
 #include <nlohmann/json.hpp>
 #include <regex>
 
@@ -182,7 +184,37 @@ TEST_F(OtherLegs, ScrewsAreExcitedOnTheRig) {
   EXPECT_THAT(fast.err, HasSubstr("for rotor and platform, and its limit leaves"));
 }
 
-TEST_F(OtherLegs, DrivesNeedLimitsAndArePartOfNoExport) {
+TEST_F(OtherLegs, DrivesArePartOfStateSpaces) {
+  for (const char* system : {"plant", "loop"})
+    for (const char* format : {"mat", "npz", "json", "hdf5"}) {
+      const auto result = run({"export", "screws.toml", "--to", format, "--system", system, "-o",
+                               std::string("drives.") + format, "--force"});
+      EXPECT_EQ(result.exit_code, 0) << format << ": " << result.err;
+      EXPECT_THAT(result.out, HasSubstr("friction of the motors"));
+      EXPECT_THAT(result.out, Not(HasSubstr("valves")));
+    }
+  EXPECT_EQ(run({"export", "screws.toml", "--to", "json", "--system", "loop", "--outputs",
+                 "leg1.torque,z", "--reduce", "40", "-o", "drives.json"})
+                .exit_code,
+            0);
+  const auto json = nlohmann::json::parse(test::read_text(folder_ / "drives.json"));
+  EXPECT_EQ(json["inputs"][12]["name"], "leg1.drive");
+  EXPECT_EQ(json["outputs"][0]["unit"], "N m");
+  EXPECT_GT(std::abs(json["outputs"][0]["rest"].get<double>()), 0.1);
+}
+
+TEST_F(OtherLegs, DrivesAreServed) {
+  const auto served = run({"serve", "screws.toml", "--udp", "0", "--duration", "0.1"});
+  EXPECT_EQ(served.exit_code, 0) << served.err;
+  const auto packets = run({"serve", "screws.toml", "--print-layout"}).out;
+  for (const char* name : {"torque", "motor_speed", "nut"})
+    EXPECT_THAT(packets, HasSubstr(fmt::format("{{ name = \"{}\"", name)));
+  EXPECT_THAT(packets, Not(HasSubstr("cap_pressure")));
+  EXPECT_THAT(run({"serve", "struts.toml", "--udp", "0", "--duration", "0.1"}).err,
+              HasSubstr("legs.strut: error: has no valves"));
+}
+
+TEST_F(OtherLegs, DrivesNeedLimitsAndArePartOfNoFmu) {
   test::write_text(folder_ / "endless.toml",
                    std::regex_replace(test::screw_file, std::regex("torque_limit[^\n]*\n"), ""));
   constexpr auto missing =
@@ -200,13 +232,11 @@ TEST_F(OtherLegs, DrivesNeedLimitsAndArePartOfNoExport) {
   EXPECT_EQ(run({"modes", "endless.toml", "--open-loop"}).exit_code, 0);
   constexpr auto refused =
       "legs.screw: error: has no valves, oil and supply, and this needs hydraulics; expected what "
-      "contains electric drives (simulate, rig, modes, bode), or hydraulic cylinders "
-      "(legs.oil_spring)\n";
+      "contains electric drives (simulate, serve, rig, modes, bode, state spaces), or hydraulic "
+      "cylinders (legs.oil_spring)\n";
   for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
-           {"export", "screws.toml", "--to", "mat", "--system", "plant", "-o", "plant.mat"},
-           {"export", "screws.toml", "--to", "mat", "--system", "loop", "-o", "loop.mat"},
            {"export", "screws.toml", "--to", "fmu2", "-o", "screws.fmu"},
-           {"serve", "screws.toml", "--udp", "0", "--duration", "0.1"}}) {
+           {"export", "screws.toml", "--to", "fmu3", "--system", "loop", "-o", "loop.fmu"}}) {
     const auto result = run(arguments);
     EXPECT_EQ(result.exit_code, 2) << arguments[0];
     EXPECT_EQ(result.err, refused) << arguments[0] << ' ' << arguments[2];

@@ -40,6 +40,21 @@ TEST(LegTypes, AScrewStandsInPlaceOfTheOil) {
   EXPECT_EQ(machine.legs[4].rod.mass, 21.3);
 }
 
+TEST(LegTypes, TheSpeedLoopOfADriveHasKeys) {
+  const auto screws = [](const std::vector<std::string>& overrides) {
+    return parse_machine(screw_file, "m.toml", overrides).machine.legs;
+  };
+  EXPECT_EQ(screws({})[1].screw->speed_bandwidth, 50.0);
+  EXPECT_FALSE(screws({})[1].screw->speed_integral_time);
+  const auto set =
+      screws({"legs.screw.speed_bandwidth=80 Hz", "leg.2.screw.speed_integral_time=7 ms"});
+  EXPECT_DOUBLE_EQ(set[5].screw->speed_bandwidth, 80.0);
+  EXPECT_DOUBLE_EQ(set[1].screw->speed_integral_time.value(), 0.007);
+  EXPECT_FALSE(set[0].screw->speed_integral_time);
+  EXPECT_THAT(complaint_about(screw_file, {"legs.screw.speed_bandwidth=0"}),
+              HasSubstr("legs.screw.speed_bandwidth: is 0 Hz, expected more than 0"));
+}
+
 /// Parameters are those of the legs that the machine has.
 TEST(LegTypes, HaveTheirOwnParameters) {
   const auto names = [](const std::string& text) {

@@ -78,6 +78,25 @@ TEST(Layout, OfHydrapodHasThePlacesOfItsDocument) {
   EXPECT_EQ(value_at(bytes, 536 + 8 * 8), 9.5);
 }
 
+TEST(Layout, OfElectricCylindersHasMotorsInPlaceOfOil) {
+  const Layout layout = native_layout(9, model::LegType::screw);
+  Sensors sensors;
+  sensors.torque[5] = 17.25;
+  sensors.motor_speed[0] = -3.5;
+  sensors.valve[0] = 0.125;
+  sensors.nut[3] = 0.43;
+  sensors.cap_pressure.setConstant(1e5);
+  Bytes bytes{};
+  ASSERT_EQ(encode(layout, sensors, bytes.data()), 612U);
+  EXPECT_EQ(value_at(bytes, 144 + 8 * 5), 17.25);
+  EXPECT_EQ(value_at(bytes, 192), -3.5);
+  EXPECT_EQ(value_at(bytes, 288), 0.125);
+  EXPECT_EQ(value_at(bytes, 336 + 8 * 3), 0.43);
+  const std::string text = layout_text(layout);
+  EXPECT_EQ(layout_text(parse_layout(text, "own.toml")), text);
+  EXPECT_THAT(text, HasSubstr("{ name = \"motor_speed\", type = \"f64\" },"));
+}
+
 TEST(Layout, PacketsComeBackBitForBit) {
   const Layout layout = native_layout(3);
   const Command command = some_command();

@@ -62,10 +62,12 @@ class Served {
 /// Sends what it is told, in hydrapod's layout without accelerometers.
 class TestClient {
  public:
-  explicit TestClient(std::unique_ptr<Transport> transport, Key key = {})
-      : transport_(std::move(transport)), key_(std::move(key)) {}
+  explicit TestClient(std::unique_ptr<Transport> transport, Key key = {},
+                      model::LegType legs = model::LegType::cylinder)
+      : layout_(native_layout(0, legs)), transport_(std::move(transport)), key_(std::move(key)) {}
   static TestClient of(const Served& served, Key key = {}) {
-    return TestClient(connect_udp(parse_address("test", served.place()), "test"), std::move(key));
+    return TestClient(connect_udp(parse_address("test", served.place()), "test"), std::move(key),
+                      model::leg_type(served.machine()));
   }
 
   void send(const Command& command) {
@@ -123,7 +125,7 @@ class TestClient {
   std::uint64_t session{}, next{1};
 
  private:
-  Layout layout_ = native_layout(0);
+  Layout layout_;
   std::unique_ptr<Transport> transport_;
   Key key_;
   Datagram last_{};

@@ -23,27 +23,11 @@ using Eigen::MatrixXd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
 using test::rise;
+using test::smooth;
 using test::symmetric_screws;
+using test::ugly_screws;
 using testing::HasSubstr;
 using S = test::SymmetricScrews;
-
-/// Dampers of every kind, compliant gimbals, gravity.
-model::Machine ugly_screws() {
-  auto machine = test::machine_of(test::screw_file);
-  machine.damping.rayleigh_mass = 0.37;
-  machine.damping.rayleigh_stiffness = 1.3e-5;
-  machine.damping.modal_ratio = 0.0;
-  for (int i = 0; i < 5; ++i)  // the sixth is rigid
-    machine.legs[static_cast<std::size_t>(i)].gimbal_stiffness = 1.9e8 + 3e7 * i;
-  return machine;
-}
-
-/// Without what a linear model leaves out: Coulomb friction, steps of the converter.
-model::Machine smooth(model::Machine machine) {
-  for (auto& leg : machine.legs) leg.screw->friction_torque = 0.0;
-  machine.controller.output.resolution = 0.0;
-  return machine;
-}
 
 VectorXcd eigenvalues(const MatrixXd& A) {
   return Eigen::EigenSolver<MatrixXd>(A, false).eigenvalues();
@@ -98,26 +82,43 @@ TEST(Drives, WithoutSpeedLoopsAreFreeMotors) {
   }
 }
 
-/// Platform in heave, rotors and their speed loops: five states.
-TEST(Drives, HaveThePolesOfTwoMassesAndASpeedLoop) {
-  const auto machine = test::damped_screws();
-  constexpr double c_a = test::SymmetricScrews::c_a, b = test::SymmetricScrews::b;
-  const auto loop = speed_loop(*machine.legs[0].screw);
-  EXPECT_NEAR(loop.gain, 2.0 * std::numbers::pi * 50.0 * S::inertia, 1e-12);
-  EXPECT_NEAR(loop.integral_time, 4.0 / (2.0 * std::numbers::pi * 50.0), 1e-12);
+/// z, s_n, their rates, T_i: m z̈ = q F, m_r s̈_n = (2π/p) T_i − slow ṡ_n − F.
+VectorXcd poles_of_two_masses(const model::Machine& machine, double gain, double integral_time) {
+  constexpr double c_a = S::c_a;
   const double n_z = rise(machine), m = S::mass, q = 6.0 * n_z, m_r = S::reflected;
-  const double slow = (b + loop.gain) * S::ratio * S::ratio;
-  // z, s_n, their rates, T_i: m z̈ = q F, m_r s̈_n = (2π/p) T_i − slow ṡ_n − F
+  const double slow = (S::b + gain) * S::ratio * S::ratio;
   Eigen::Matrix<double, 5, 5> A;
   A << 0, 0, 1, 0, 0, 0, 0, 0, 1, 0,                                              //
       -q * n_z * S::k_a / m, q * S::k_a / m, -q * n_z * c_a / m, q * c_a / m, 0,  //
       n_z * S::k_a / m_r, -S::k_a / m_r, n_z * c_a / m_r, -(c_a + slow) / m_r, S::ratio / m_r, 0, 0,
-      0, -loop.gain * S::ratio / loop.integral_time, 0;
-  const Plant plant(machine, ModelKind::rigid, {.friction = Friction::viscous});
-  const auto rest = plant.equilibrium(machine.neutral());
-  const auto found = eigenvalues(plant.linearise(rest.x, rest.input).A);
-  for (const auto pole : eigenvalues(A))
-    EXPECT_LT(distance(found, pole), 1e-6 * std::abs(pole) + 1e-3) << pole;
+      0, -gain * S::ratio / integral_time, 0;
+  return eigenvalues(A);
+}
+
+/// Platform in heave, rotors and their speed loops, as they are without keys and with them.
+TEST(Drives, HaveThePolesOfTwoMassesAndASpeedLoop) {
+  struct Given {
+    std::optional<double> bandwidth, integral_time;
+    double gain, t_i;
+  };
+  constexpr double turn = 2.0 * std::numbers::pi, J = S::inertia;
+  for (const auto& given : {Given{{}, {}, turn * 50.0 * J, 4.0 / (turn * 50.0)},
+                            Given{83.0, {}, turn * 83.0 * J, 4.0 / (turn * 83.0)},
+                            Given{31.0, 0.0071, turn * 31.0 * J, 0.0071}}) {
+    auto machine = test::damped_screws();
+    for (auto& leg : machine.legs) {
+      if (given.bandwidth) leg.screw->speed_bandwidth = *given.bandwidth;
+      leg.screw->speed_integral_time = given.integral_time;
+    }
+    const auto loop = speed_loop(*machine.legs[0].screw);
+    EXPECT_NEAR(loop.gain, given.gain, 1e-12);
+    EXPECT_NEAR(loop.integral_time, given.t_i, 1e-12);
+    const Plant plant(machine, ModelKind::rigid, {.friction = Friction::viscous});
+    const auto rest = plant.equilibrium(machine.neutral());
+    const auto found = eigenvalues(plant.linearise(rest.x, rest.input).A);
+    for (const auto pole : poles_of_two_masses(machine, given.gain, given.t_i))
+      EXPECT_LT(distance(found, pole), 1e-6 * std::abs(pole) + 1e-3) << pole;
+  }
 }
 
 /// p u ω_max/2π along every leg, with the load's torque once the speed is reached.

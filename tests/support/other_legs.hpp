@@ -62,4 +62,22 @@ inline model::Machine machine_of(const std::string& text) {
   return model::parse_machine(text, "m.toml", {}, kinematics::check_machine).machine;
 }
 
+/// Electric cylinders with dampers of every kind, compliant gimbals, gravity.
+inline model::Machine ugly_screws() {
+  auto machine = machine_of(screw_file);
+  machine.damping.rayleigh_mass = 0.37;
+  machine.damping.rayleigh_stiffness = 1.3e-5;
+  machine.damping.modal_ratio = 0.0;
+  for (int i = 0; i < 5; ++i)  // the sixth is rigid
+    machine.legs[static_cast<std::size_t>(i)].gimbal_stiffness = 1.9e8 + 3e7 * i;
+  return machine;
+}
+
+/// Without what a linear model leaves out: Coulomb friction, steps of the converter.
+inline model::Machine smooth(model::Machine machine) {
+  for (auto& leg : machine.legs) leg.screw->friction_torque = 0.0;
+  machine.controller.output.resolution = 0.0;
+  return machine;
+}
+
 }  // namespace hydrapod::test

@@ -10,9 +10,10 @@
 /// - mechanics: states y, ẏ of dynamics::LinearModel with the platform's coordinates at Q; inputs
 ///   wrench at Q and forces of the oil columns. All damping of response::damping_matrix is in it,
 ///   so that C (iω − A)⁻¹ B is the response of `bode`.
-/// - plant: states of simulation::Plant; inputs valve commands and wrench at C.
+/// - plant: states of simulation::Plant; inputs commands of valves or of electric drives and wrench
+///   at C.
 /// - loop: plant, controller, Padé delay; inputs commanded pose and its rate (which is fed
-///   forward), valve commands, wrench.
+///   forward), those commands, wrench.
 ///
 /// Discretised: inputs held over a sample (zero-order hold), by the exponential of [A B; 0 0] T in
 /// balanced states. The sampled loop is simulation::LinearSystem::sampled: exact, with the delay as

@@ -419,6 +419,9 @@ using ServoAxis = ServoAxisOf<double>;
 /// All legs side by side.
 ServoAxisOf<numerics::Lanes> side_by_side(const std::array<ServoAxis, model::leg_count>& axes);
 
+/// Throws base::InputError for legs that nothing drives, which are plain struts.
+void require_actuators(const model::Machine& machine);
+
 /// Throws base::InputError for legs without valves and oil: what is asked needs hydraulics.
 void require_hydraulics(const model::Machine& machine);
 

@@ -158,6 +158,9 @@ struct Screw {
   std::optional<double> speed_limit{};   ///< ω_max [rad/s] of the motor
   double friction_torque{};              ///< T_f [N m], Coulomb
   double viscous_friction{};             ///< b [N m s/rad]
+  double speed_bandwidth{50.0};          ///< ω_s/2π [Hz] of the speed loop
+  /// t_i [s] of the speed loop; absent: both poles of a rotor without load are at ω_s/2.
+  std::optional<double> speed_integral_time{};
 
   /// 2π/p [rad/m]: turns of the motor per motion of the nut, and force per torque.
   [[nodiscard]] double ratio() const { return base::two_pi / lead; }

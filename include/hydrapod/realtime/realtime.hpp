@@ -41,7 +41,7 @@ using spatial::Vector6;
 enum class Mode : std::uint8_t {
   hello = 0,   ///< nothing; the server answers with its session and the last sequence number
   pose = 1,    ///< displacement and rate for the closed loop; `drive` is added to its drives
-  valves = 2,  ///< `drive` are the valves' drives; the controller is the client's
+  valves = 2,  ///< `drive` are those of valves or motors; the controller is the client's
   leave = 3    ///< the client ends: ramp down now
 };
 
@@ -65,7 +65,7 @@ struct Command {
   std::uint64_t flags{};
   Vector6 displacement{Vector6::Zero()};  ///< of the demanded pose from the operating one [m, rad]
   Vector6 rate{Vector6::Zero()};          ///< its rate [m/s, rad/s]
-  Vector6 drive{Vector6::Zero()};         ///< per leg, shares of the rated current
+  Vector6 drive{Vector6::Zero()};         ///< per leg, shares of rated current or largest speed
   Vector6 wrench{Vector6::Zero()};        ///< about the mass centre, base axes [N, N m]
   Vector6 next_wrench{Vector6::Zero()};   ///< of the next sample, see simulation::Excitation
 };
@@ -99,12 +99,14 @@ struct Sensors {
   Vector6 cap_pressure{Vector6::Zero()};         ///< [Pa]
   Vector6 rod_pressure{Vector6::Zero()};         ///< [Pa]
   Vector6 piston_acceleration{Vector6::Zero()};  ///< where the controller uses it, else 0 [m/s²]
-  Vector6 valve{Vector6::Zero()};                ///< drives at the valves, shares
+  Vector6 valve{Vector6::Zero()};                ///< drives at the valves or motors, shares
   Vector6 spool{Vector6::Zero()};                ///< shares of the travel
-  Vector6 platform{Vector6::Zero()};             ///< true displacement from the operating pose
-  Vector6 velocity{Vector6::Zero()};             ///< of C, and ω [m/s, rad/s]
-  Vector6 acceleration{Vector6::Zero()};         ///< of C, and ω̇ [m/s², rad/s²]
-  double supply_pressure{};                      ///< [Pa]
+  /// Of electric cylinders, true: torque until now [N m], speed [rad/s], way of the nut [m].
+  Vector6 torque{Vector6::Zero()}, motor_speed{Vector6::Zero()}, nut{Vector6::Zero()};
+  Vector6 platform{Vector6::Zero()};      ///< true displacement from the operating pose
+  Vector6 velocity{Vector6::Zero()};      ///< of C, and ω [m/s, rad/s]
+  Vector6 acceleration{Vector6::Zero()};  ///< of C, and ω̇ [m/s², rad/s²]
+  double supply_pressure{};               ///< [Pa]
   std::array<double, most_accelerometers> accelerometer{};  ///< [m/s²]
 };
 
@@ -142,8 +144,9 @@ struct Layout {
 inline constexpr std::size_t largest_packet = 1400;  ///< [bytes], one Ethernet frame
 inline constexpr std::size_t mac_size = 32;          ///< [bytes]
 
-/// That of hydrapod, version 1. Numbers are little-endian, values double.
-Layout native_layout(int accelerometers);
+/// That of hydrapod, version 1. Numbers are little-endian, values double. Electric cylinders have
+/// torque, speed and nut of the motors in place of both pressures and the spool.
+Layout native_layout(int accelerometers, model::LegType legs = model::LegType::cylinder);
 /// A description in TOML; `file` is its name in messages. Throws base::InputError with all that is
 /// wrong.
 Layout parse_layout(const std::string& text, const std::string& file);

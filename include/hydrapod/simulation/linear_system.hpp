@@ -82,11 +82,19 @@ struct StatePart {
   int leg{-1};  ///< 0…5, −1: of no single leg
 };
 
+/// Commands at the valves or motors, behind controller and delay, from the states and from the
+/// commanded displacement and its velocity. Empty without a controller.
+struct AppliedCommands {
+  Eigen::MatrixXd state{};                ///< 6 × states
+  Eigen::MatrixXd command{}, velocity{};  ///< 6 × 6
+};
+
 struct LinearSystem {
   Eigen::MatrixXd A{};
   /// Input per commanded displacement (6) and its velocity (6), see ControllerInputs.
   Eigen::MatrixXd B_command{}, B_velocity{};
-  Eigen::MatrixXd B_valve{};   ///< per command of the valves themselves (6), past the controller
+  /// Per command of the valves or motors themselves (6), past the controller.
+  Eigen::MatrixXd B_valve{};
   Eigen::MatrixXd B_wrench{};  ///< per force and moment on the platform about its mass centre (6)
   /// Displacement of P (x…rz, origin of P) from the states: against the base, as leg lengths show
   /// it. See dynamics::LinearModel::against_base for the same of its modes.
@@ -95,13 +103,15 @@ struct LinearSystem {
   std::vector<std::string> states{};
   std::vector<StatePart> parts{};
   Eigen::VectorXd scales{};  ///< magnitudes that matter of each state
-  double delay{};            ///< τ [s] that was approximated
+  AppliedCommands applied{};
+  double delay{};  ///< τ [s] that was approximated
   int pade_order{};
   double sample_time{};
   /// The sampled loop: w_{k+1} = sampled · w_k + sampled_command · r_k + sampled_velocity · ṙ_k
   /// with w = (plant; controller; drives of the last samples, the latest first). Empty where not
   /// asked for.
   Eigen::MatrixXd sampled{}, sampled_command{}, sampled_velocity{};
+  AppliedCommands sampled_applied{};  ///< from the sample on, of w_k, r_k and ṙ_k
 };
 
 struct LinearSystemOptions {

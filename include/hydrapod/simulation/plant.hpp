@@ -197,8 +197,8 @@ struct SpeedLoop {
   double integral_time{};  ///< t_i [s]
 };
 
-/// Bandwidth 50 Hz and t_i = 4/bandwidth, where both poles of the free rotor are at half the
-/// bandwidth.
+/// As the screw says; t_i is 4/bandwidth where it says none, so that both poles of the free rotor
+/// are at half the bandwidth.
 SpeedLoop speed_loop(const model::Screw& screw);
 
 struct OilState;  // private to the sources, as are
