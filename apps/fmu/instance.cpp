@@ -83,7 +83,7 @@ std::unique_ptr<simulation::Plant> Instance::plant_with(
       throw Refusal("parameters: " + finding.key + ": " + finding.message);
   auto plant =
       std::make_unique<simulation::Plant>(fmu.machine, fmu.kind, fmu.options(), fmu.reference());
-  if (plant->layout().size != states_ || plant->base().directions != plant_->base().directions)
+  if (plant->layout() != plant_->layout() || plant->base().directions != plant_->base().directions)
     throw Refusal("parameters: these values change which states the model has");
   return plant;
 }

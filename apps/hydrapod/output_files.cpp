@@ -130,7 +130,8 @@ void check_outputs(const std::vector<NamedFile>& inputs, const std::vector<Named
   for (const auto& output : outputs) {
     std::error_code ignored;
     if (!force && is_file_name(output.path) && !fs::exists(output.path, ignored))
-      base::expect_no_file(output.path);
+      base::expect_no_file(output.path,
+                           [](const std::string& path) { return kept_kind(path).has_value(); });
   }
 }
 

@@ -204,7 +204,10 @@ std::string controller_text(const model::Machine& machine, const control::Contro
       given.integral_time ? "" : "8 / smallest gain");
   row("velocity_feedforward", fmt::format("{:.4g}", p.velocity_feedforward), "");
   if (p.feedback == model::DampingFeedback::none) {
-    row("feedback", "none", screw ? "electric cylinders have no pressures" : "");
+    row("feedback", "none",
+        screw && given.feedback != model::DampingFeedback::none
+            ? "electric cylinders have no pressures"
+            : "");
   } else {
     row("feedback", by_pressure ? "pressure" : "acceleration", "");
     row("feedback_gain", six(p.feedback_gain, by_pressure ? "m/(N s)" : "s"),

@@ -12,9 +12,10 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <map>
 #include <mutex>
-#include <set>
 #include <system_error>
+#include <utility>
 
 #include "hydrapod/base/error.hpp"
 
@@ -86,12 +87,17 @@ void write_directly(const std::string& path, std::string_view text) {
   }
 }
 
-/// Where the text really goes: the end of a chain of symbolic links.
+/// Where the text really goes: the end of a chain of symbolic links, which need not exist.
 std::string target_of(const std::string& path) {
+  constexpr int most_links = 40;  // as the kernel follows
   std::error_code error;
-  if (!fs::is_symlink(path, error)) return path;
-  const fs::path target = fs::weakly_canonical(path, error);
-  return error ? path : target.string();
+  fs::path target = path;
+  for (int k = 0; k < most_links && fs::is_symlink(target, error); ++k) {
+    const fs::path next = fs::read_symlink(target, error);
+    if (error) return path;
+    target = target.parent_path() / next;  // an absolute `next` stands alone
+  }
+  return target.string();
 }
 
 /// An empty file of a name that did not exist: `stem`, `stem`2, `stem`3, …
@@ -145,6 +151,34 @@ void write_beside_and_rename(const std::string& target, const std::string& path,
   ::unlink(temporary.c_str());
   fail(path, cause);
 }
+
+/// Of expect_no_file: what must stay where nothing was.
+struct Expected {
+  std::mutex lock{};
+  std::map<std::string, std::function<bool(const std::string&)>> absent{};
+};
+Expected& expected() {
+  static Expected all;
+  return all;
+}
+
+/// Of a file that stands at `target`.
+void refuse_what_must_stay(const std::string& target, const std::string& path) {
+  std::function<bool(const std::string&)> must_stay;
+  {
+    const std::scoped_lock locked(expected().lock);
+    if (const auto at = expected().absent.find(target); at != expected().absent.end())
+      must_stay = at->second;
+  }
+  if (must_stay && must_stay(target))
+    base::refuse(path, "was written by another program meanwhile and was left as it is");
+}
+
+/// This program made the file, and may replace it.
+void was_made(const std::string& target) {
+  const std::scoped_lock locked(expected().lock);
+  expected().absent.erase(target);
+}
 }  // namespace
 
 std::string read_file(const std::string& path, std::size_t largest, std::string_view expected) {
@@ -183,33 +217,16 @@ void write_file_whole(const std::string& path, std::string_view text) {
   const fs::file_status status = fs::status(target, ignored);
   if (fs::is_directory(status)) refuse(path, EISDIR);
   if (fs::exists(status) && !fs::is_regular_file(status)) return write_directly(target, text);
+  if (fs::exists(status)) refuse_what_must_stay(target, path);
   if (fs::exists(status) && ::access(target.c_str(), W_OK) != 0) refuse(path, errno);
   write_beside_and_rename(target, path, text);
+  was_made(target);
 }
 
-namespace {
-
-/// Of expect_no_file.
-struct Expected {
-  std::mutex lock{};
-  std::set<std::string> absent{};
-};
-Expected& expected() {
-  static Expected all;
-  return all;
-}
-
-bool is_expected_absent(const std::string& target) {
-  const std::scoped_lock locked(expected().lock);
-  return expected().absent.contains(target);
-}
-
-}  // namespace
-
-void expect_no_file(const std::string& path) {
+void expect_no_file(const std::string& path, std::function<bool(const std::string&)> must_stay) {
   const std::string target = target_of(path);
   const std::scoped_lock locked(expected().lock);
-  expected().absent.insert(target);
+  expected().absent.insert_or_assign(target, std::move(must_stay));
 }
 
 PartFile::PartFile(const std::string& path) : path_(path) {
@@ -222,8 +239,7 @@ PartFile::PartFile(const std::string& path) : path_(path) {
   if (fs::is_directory(status)) refuse(path, EISDIR);
   if (replaces_ && !fs::is_regular_file(status))
     refuse(path, "cannot write the file: it is a device or pipe");
-  if (replaces_ && is_expected_absent(target_))
-    refuse(path, "was written by another program meanwhile and was left as it is");
+  if (replaces_) refuse_what_must_stay(target_, path);
   if (replaces_ && ::access(target_.c_str(), W_OK) != 0) refuse(path, errno);
   const auto [name, descriptor] = make_new_file(target_ + ".part", target_, path);
   const Descriptor file(descriptor);
@@ -258,8 +274,7 @@ std::string PartFile::commit(bool complete) {
   if (cause != 0) fail_and_keep(cause);
   committed_ = true;
   sync_folder_of(target_);
-  const std::scoped_lock locked(expected().lock);
-  expected().absent.erase(target_);
+  was_made(target_);
   return path_;
 }
 

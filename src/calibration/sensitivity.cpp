@@ -50,7 +50,8 @@ bool has_seal_arms(const Machine& machine, const ModePoint& point) {
   return model::has_elastomers(machine) && point.model.kind != dynamics::ModelKind::rigid;
 }
 
-/// ω and dω/dp of the damped modes where damping shifts them; those of overdamped modes are NaN.
+/// ω and dω/dp of the damped modes where damping shifts them. Overdamped modes keep the undamped
+/// ω, their derivatives are NaN.
 void add_shifted(double modal_ratio, ModePoint& point, Eigen::VectorXd& omega,
                  Eigen::MatrixXd& slopes) {
   if (!is_shifted_by_damping(point.model)) return;
@@ -197,7 +198,11 @@ Sensitivities sensitivities(const model::MachineFile& file, std::size_t pose,
       result.percent_per_percent(k, static_cast<Eigen::Index>(j)) *= values[j] / result.omega[k];
   std::vector<int> order(static_cast<std::size_t>(modes.size()));
   std::iota(order.begin(), order.end(), 0);
-  std::ranges::stable_sort(order, {}, [&](int k) { return result.omega[k]; });
+  std::ranges::stable_sort(order, {}, [&](int k) {
+    const bool is_overdamped = result.omega[k] > 0.0 && !parameters.empty() &&
+                               std::isnan(result.percent_per_percent(k, 0));
+    return std::pair(is_overdamped, result.omega[k]);
+  });
   result.omega = result.omega(order).eval();
   result.percent_per_percent = result.percent_per_percent(order, Eigen::all).eval();
   if (paths.empty()) leave_out_what_does_nothing(result);

@@ -68,11 +68,13 @@ Charges pairs_of(const std::vector<std::size_t>& some, const Diagnosis& d,
     for (std::size_t b = 0; b < d.causes.size(); ++b)
       if (can_be_together(d.causes[a], d.causes[b])) add(a, b);
   const auto of_all = [&](Cause::Kind kind) {
-    const auto at =
-        std::ranges::find_if(d.causes, [&](const Cause& s) { return s.kind == kind && !s.leg; });
-    return static_cast<std::size_t>(at - d.causes.begin());
+    return std::ranges::find_if(d.causes, [&](const Cause& s) { return s.kind == kind && !s.leg; });
   };
-  add(of_all(Cause::Kind::guide_sleeves), of_all(Cause::Kind::piston_rings));
+  const auto sleeves = of_all(Cause::Kind::guide_sleeves);
+  const auto rings = of_all(Cause::Kind::piston_rings);
+  if (sleeves != d.causes.end() && rings != d.causes.end())  // struts have none
+    add(static_cast<std::size_t>(sleeves - d.causes.begin()),
+        static_cast<std::size_t>(rings - d.causes.begin()));
   std::ranges::sort(found);
   return found;
 }

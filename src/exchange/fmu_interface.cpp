@@ -18,7 +18,7 @@ using simulation::Plant;
 /// not the circle on which they were laid out.
 bool concerns(std::string_view path, const FmuMachine& fmu) {
   constexpr std::array never{"sensors.", "legs.joint_limits.", "base.joints.circle",
-                             "platform.joints.circle"};
+                             "platform.joints.circle", "legs.stick_stiffness"};
   constexpr std::array of_oil{"supply.", "legs.valve.", "legs.leakage.", "legs.friction."};
   const auto begins = [&](const char* front) { return path.starts_with(front); };
   if (std::ranges::any_of(never, begins)) return false;
@@ -26,7 +26,6 @@ bool concerns(std::string_view path, const FmuMachine& fmu) {
   // The number of segments says which states there are.
   const bool oil = fmu.hydraulics && !fmu.drives();
   const bool waves = oil && fmu.machine.hydraulics.lines.segments > 0.0;
-  if (path == "legs.stick_stiffness") return !fmu.hydraulics;  // of linear models
   if (path.starts_with("lines.")) return waves && path != "lines.segments";
   return oil || !std::ranges::any_of(of_oil, begins);
 }

@@ -13,8 +13,8 @@ using simulation::Plant;
 
 /// Where the states of a seal stand, −1 for what it has not.
 struct Seal {
-  static constexpr int arm_states = 2 * static_cast<int>(dynamics::arms_per_seal);
-  static constexpr int softening_states = 3;
+  static constexpr int arm_states = simulation::StateLayout::arm_states;
+  static constexpr int softening_states = simulation::StateLayout::softening_states;
 
   int leg{};
   bool sleeve{};  ///< else the piston ring

@@ -166,8 +166,7 @@ std::string mjcf_text(const Machine& machine, const Mechanism& all) {
   std::string out = fmt::format(
       "<mujoco model='{}'>\n"
       "<!-- hydrapod export: SI units; every joint is 0 at rest; motors are forces of the {} on "
-      "top "
-      "of their springs -->\n"
+      "top of their springs -->\n"
       "<compiler angle='radian' balanceinertia='false' boundmass='0' boundinertia='0' "
       "fitaabb='false'/>\n"
       "<option gravity='{}' timestep='{:.6g}' integrator='RK4' solver='Newton' "

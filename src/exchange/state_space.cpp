@@ -276,8 +276,7 @@ StateSpace with_actuators(const Machine& machine, const Pose& X_BP,
   const bool closed = options.system == SystemKind::loop;
   const auto linear = simulation::linear_system(
       machine, X_BP, {.kind = options.kind, .pade_order = options.pade_order, .closed = closed});
-  const simulation::Plant plant(
-      machine, options.kind, {.friction = simulation::Friction::viscous, .softening = false}, X_BP);
+  const simulation::Plant plant(machine, options.kind, simulation::small_motions, X_BP);
   const auto rest = plant.equilibrium(X_BP);
   const auto rows = plant_rows(linear, plant.linearise(rest.x, rest.input));
   StateSpace system{.A = linear.A, .delay = linear.delay, .pade_order = linear.pade_order};

@@ -158,13 +158,13 @@ bool takes_long(const Signals& signals, const BlockCount& blocks, std::size_t in
 /// Is the record one of a loop? Asked of excitations too: what is called so by its name and unit
 /// may be measured in a loop. Who asks for the whole record knows what they commanded, and gets an
 /// error for other inputs.
-bool is_in_loop(const Signals& signals, const std::vector<data::Channel>& inputs,
-                const MeasureOptions& options) {
-  if (!options.whole_record) return feedback_of(signals, options.few_blocks).has_value();
+std::optional<Feedback> loop_of(const Signals& signals, const std::vector<data::Channel>& inputs,
+                                const MeasureOptions& options) {
+  if (!options.whole_record) return feedback_of(signals, options.few_blocks);
   const bool commanded =
       std::ranges::all_of(inputs, [](const auto& c) { return c.role == data::Role::excitation; });
   const auto f = commanded ? std::nullopt : feedback_of(signals, options.few_blocks);
-  if (!f) return false;
+  if (!f) return {};
   throw base::ComputationError(fmt::format(
       "the record is short, and its inputs follow its outputs (what they did before explains "
       "{:.0f} "
@@ -239,9 +239,12 @@ bool keep_short_record(data::RecordSet& records, const Reading& reading, const B
     record->signals.pieces.push_back(piece_of(brought, alive));
   }
   record->signals = detrended(std::move(record->signals));
-  if (takes_long(record->signals, blocks, alive.inputs.size(), options) ||
-      is_in_loop(record->signals, r.inputs, options))
+  if (takes_long(record->signals, blocks, alive.inputs.size(), options)) return false;
+  if (const auto loop = loop_of(record->signals, r.inputs, options)) {
+    m.responses.warnings.push_back(
+        {.kind = Kind::feedback, .share = loop->share, .estimator = reading.plan.estimator});
     return false;
+  }
   r.averages = 0.0;
   auto earlier = std::move(m.responses.warnings);
   r.warnings.insert(r.warnings.begin(), earlier.begin(), earlier.end());

@@ -38,8 +38,8 @@ std::optional<BlockCount> too_few_blocks(const data::RecordSet& records, const R
 
 /// The record is kept, and m.responses become those of a model of it. `choice`: of m.spectra;
 /// `changes`: of its channels. False, and nothing is done, where samples are missing that cannot be
-/// filled, and where inputs follow outputs; where the whole record was asked for, that is a
-/// base::ComputationError, and not looked for in excitations.
+/// filled, and, with a warning, where inputs follow outputs; where the whole record was asked for,
+/// that is a base::ComputationError, and not looked for in excitations.
 bool keep_short_record(data::RecordSet& records, const Reading& reading, const BlockCount& blocks,
                        const MeasureOptions& options, const std::vector<PlatformChange>& changes,
                        ChannelChoice& choice, Measurement& m);

@@ -204,8 +204,10 @@ std::vector<Finding> validate_with_poses(const model::Machine& machine) {
   if (any_error(findings)) return findings;
   for (const auto& pose : machine.poses) {
     auto found = check_pose(machine, pose.X_BP, "poses." + pose.name);
-    if (!found.empty())
-      for (auto& finding : found) finding.message += guess_of_angles(machine, pose.X_BP);
+    if (!found.empty()) {
+      const auto guess = guess_of_angles(machine, pose.X_BP);
+      for (auto& finding : found) finding.message += guess;
+    }
     std::ranges::move(found, std::back_inserter(findings));
   }
   return findings;

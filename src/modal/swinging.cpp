@@ -41,9 +41,11 @@ bool softens(const std::optional<model::Elastomer>& elastomer) {
 }
 
 /// Per coordinate y.
-Rows2 rows_of(const LinearModel& model, int leg, const Rows27& per_x) {
-  Rows2 rows(2, model.dof());
-  for (int k = 0; k < 2; ++k) rows.row(k) = dynamics::per_coordinate(model, leg, per_x.row(k));
+template <int count>
+auto rows_of(const LinearModel& model, int leg, const Eigen::Matrix<double, count, 7>& per_x) {
+  Eigen::Matrix<double, count, Eigen::Dynamic, 0, count, dynamics::max_dof> rows(count,
+                                                                                 model.dof());
+  for (int k = 0; k < count; ++k) rows.row(k) = dynamics::per_coordinate(model, leg, per_x.row(k));
   return rows;
 }
 
@@ -94,12 +96,9 @@ void Swinging::add_leg(const model::Machine& machine, int i) {
   const auto& leg = linear_.legs[k];
   const auto& sleeve = machine_.legs[k].guide_sleeve;
   const auto& ring = machine_.legs[k].piston_ring;
-  if (linear_.base_count() > 0)
-    joints_[k] = linear_.J[k] * linear_.against_base * modes_.shapes;
-  else  // J of a condensed base has its motion in it
-    joints_[k] = linear_.J[k] * modes_.shapes.topRows<6>();
+  joints_[k] = rows_of<3>(linear_, i, Eigen::Matrix<double, 3, 7>::Identity()) * modes_.shapes;
   pistons_[k] = modes_.shapes.transpose() * dynamics::per_coordinate(linear_, i, leg.s_x);
-  chords_[k] = rows_of(linear_, i, leg.d_x + leg.bending * leg.F_x) * modes_.shapes;
+  chords_[k] = rows_of<2>(linear_, i, leg.d_x + leg.bending * leg.F_x) * modes_.shapes;
   if (linear_.kind != ModelKind::rigid) {
     if (sleeve.elastomer)
       sleeve_arms_[k] = dynamics::seal_arms(sleeve.stiffness, *sleeve.elastomer);

@@ -187,7 +187,9 @@ void read_elastomer_table(const Section& seal, std::optional<Elastomer>& elastom
     if (cells.size() < 3) return;
     rows.push_back({seal.read_number(cells[0], "Hz"), seal.read_number(cells[1], "1"),
                     seal.read_number(cells[2], "1")});
-    if (!(rows.back().frequency > 0.0)) return seal.report(cells[0], "is no frequency above 0");
+    constexpr double lowest = 1e-6, highest = 1e6;  // [Hz]
+    if (!(rows.back().frequency >= lowest && rows.back().frequency <= highest))
+      return seal.report(cells[0], "is no frequency from 1e-6 Hz to 1e6 Hz");
     if (!(rows.back().ratio > 1.0)) return seal.report(cells[1], "expected more than 1");
     if (!(rows.back().loss > 0.0)) return seal.report(cells[2], "expected more than 0");
   }

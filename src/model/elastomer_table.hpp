@@ -25,7 +25,7 @@ struct FittedArms {
   double worst_frequency{};
 };
 
-/// `rows`: at least two, frequencies and ratios above 0.
+/// `rows`: at least two, frequencies and losses above 0, ratios above 1.
 FittedArms fitted_arms(const std::vector<ElastomerRow>& rows);
 
 /// Those of tables that several legs share.

@@ -161,8 +161,8 @@ constexpr ParameterRow leg_rows[]{
     alone(number<&Leg::stick_stiffness>(
         "legs.stick_stiffness", "N/m", standard, {.lowest = 0.0, .highest = stiffest},
         "k_b, of cylinder seals that stick instead of sliding at the amplitude of the motion, "
-        "along the leg, parallel to the oil spring; linear models only, simulations and `modes "
-        "--amplitude` have `friction.bristles`")),
+        "along the leg, parallel to the oil spring; simulations with valves and `modes "
+        "--amplitude` have `friction.bristles` in its place")),
     word<&Leg::bending>(
         "legs.bending", bending_words,
         "whether rod and case bend under the lateral force at the guide sleeve: `\"rigid\"`, or "

@@ -58,10 +58,10 @@ class Reader {
   }
 
  private:
-  /// A damper that the file states as 0 says that nothing damps: the assumed ratio is for files
-  /// that say nothing about damping.
+  /// A damper that the file states, and be it as 0, says what damps: the assumed ratio is for files
+  /// that say nothing about damping. It does not come back where a study takes the damper to 0.
   void keep_undamped() {
-    if (!seal_ratio(read_.machine).is_default) return;
+    if (read_.machine.damping.modal_ratio) return;
     constexpr std::array<std::string_view, 7> keys{
         "legs.guide_sleeve.damping", "legs.piston_ring.damping", "legs.oil_spring.damping",
         "legs.strut.damping",        "legs.screw.damping",       "damping.rayleigh_mass",
@@ -415,7 +415,8 @@ class Reader {
   /// Degrees are easily written without their unit. No pose has an angle of more than a turn.
   static void judge_angle(const Section& pose, const Section::Value& rotation, std::size_t k,
                           double angle) {
-    if (!(std::abs(angle) > std::numbers::pi)) return;
+    constexpr double as_written = 1e-3;  // π as 3.142
+    if (!(std::abs(angle) > std::numbers::pi * (1.0 + as_written))) return;
     const auto value = pose.element(rotation, k);
     const bool plain = value.node == nullptr || value.node->kind != Node::Kind::text;
     constexpr double rounding = 1e-9;

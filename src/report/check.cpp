@@ -68,7 +68,7 @@ std::string warning_text(const PoseWarning& warning) {
       "(legs.strut)",
       "the screws do not hold the platform: with rigid guide sleeves it is unstable too; "
       "{relief}use stiffer screws (legs.screw)",
-      "{legs}: the motor can move {limit}, and {force} are to be held; expected a higher "
+      "{legs}: the motor can move {limit}, and the load is {force}; expected a higher "
       "legs.screw.torque_limit, a smaller lead or less mass",
       "{legs}: the motor can push with {force}, and the rod buckles at {limit}"};
   const double value = warning.value;
@@ -177,7 +177,7 @@ std::string verdict_text(const std::vector<PoseCheck>& poses, const model::Machi
   add(Kind::soft_oil, "the oil springs do not hold the platform");
   add(Kind::soft_struts, "the struts do not hold the platform");
   add(Kind::soft_screws, "the screws do not hold the platform");
-  add(Kind::weak_motor, "the motors cannot hold the load");
+  add(Kind::weak_motor, "the motors cannot move the load");
   add(Kind::stuck, "the oil cannot move the legs against their friction");
   if (const auto* weak = weakest_pump(poses))
     add(Kind::weak_pump,

@@ -269,6 +269,12 @@ std::string warning_text(const data::ResponseWarning& w) {
           w.value, 100.0 * w.share, w.lowest, w.highest);
     case Kind::short_record:
       return short_text(w);
+    case Kind::feedback:
+      return fmt::format(
+          "the inputs follow the outputs: what these did before explains {:.0f} % of what the "
+          "inputs' own past does not; noise in such a loop biases responses by {}; record the "
+          "excitation from outside the loop too, and name it with --instruments",
+          100.0 * w.share, data::estimator_text(w.estimator));
   }
   return {};
 }

@@ -78,6 +78,8 @@ inline const char* code(data::ResponseWarning::Kind kind) {
       return "wandering_tone";
     case Kind::short_record:
       return "short_record";
+    case Kind::feedback:
+      return "feedback";
   }
   return nullptr;
 }

@@ -410,8 +410,7 @@ std::optional<Abilities> of_cylinders(const model::Machine& machine,
 }
 
 /// Of the platform on such legs. Motors accelerate themselves as well: M + Jᵀ m_r J; their rods do
-/// not feel it. `pump`: null
-/// where none feeds the legs.
+/// not feel it. `pump`: null where none feeds the legs.
 void set_reach(const model::Machine& machine, const Pose& X_BP,
                const kinematics::LegGeometries& geometry, const Abilities& legs,
                const PumpFlow* pump, Capability& result) {
@@ -439,7 +438,7 @@ void set_reach(const model::Machine& machine, const Pose& X_BP,
       acceleration[i][s] = least(reach_within(per_acceleration.col(d), legs.forces, sign),
                                  reach_within(rods.col(d), legs.columns, sign));
       jerk[i][s] = jerks ? reach_within(per_acceleration.col(d), legs.rates, sign)
-                         : Reach{.value = infinite, .limit = Limit::torque};
+                         : Reach{.value = infinite, .limit = Limit::range};
       way[i][s] = excursion.find(d, sign);
     }
   result.combined = {std::min(combined_share(per_force, legs.forces, force),

@@ -12,6 +12,7 @@
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/simulation/linear_system.hpp"
 #include "run_accounts.hpp"
+#include "sliding_seals.hpp"
 #include "stiffness.hpp"
 #include "true_measurement.hpp"
 
@@ -50,7 +51,7 @@ LoopOptions with_its_plant(LoopOptions options) {
   return options;
 }
 
-/// Of legs without valves, held by their springs: there is nothing to control. Its drives are zero.
+/// Of legs that their springs hold: there is nothing to control. Its drives are zero.
 Tuning without_controller(const model::Machine& machine) {
   control::ControllerParameters p{.velocity_feedforward = 0.0,
                                   .sample_time = machine.controller.sample_time,
@@ -63,10 +64,8 @@ Tuning without_controller(const model::Machine& machine) {
 }
 
 Tuning tuned(const model::Machine& machine, const Pose& pose, const LoopOptions& options) {
-  const bool springs = options.actuators == Actuators::springs;
-  return springs && model::leg_type(machine) != model::LegType::cylinder
-             ? without_controller(machine)
-             : tune_controller(machine, pose);
+  return options.actuators == Actuators::springs ? without_controller(machine)
+                                                 : tune_controller(machine, pose);
 }
 
 }  // namespace
@@ -75,7 +74,8 @@ struct ClosedLoop::Implementation {
   Implementation(const model::Machine& machine, const Pose& pose, const LoopOptions& given)
       : options(with_its_plant(given)),
         operating(pose),
-        plant(machine, given.kind, options.plant, pose),
+        plant(options.plant.hydraulics ? with_sliding_seals(machine) : machine, given.kind,
+              options.plant, pose),
         tuning(tuned(machine, pose, options)),
         rest(plant.equilibrium(pose)),
         start(given.initial.isZero()

@@ -255,8 +255,7 @@ LinearSystem linear_system(const model::Machine& machine, const Pose& X_BP,
     throw std::invalid_argument(
         fmt::format("LinearSystemOptions::pade_order is {}, expected 0 to {}", options.pade_order,
                     highest_pade_order));
-  const Plant plant(machine, options.kind, {.friction = Friction::viscous, .softening = false},
-                    X_BP);
+  const Plant plant(machine, options.kind, small_motions, X_BP);
   const auto rest = plant.equilibrium(X_BP);
   Pieces pieces{.plant = plant.linearise(rest.x, rest.input)};
 

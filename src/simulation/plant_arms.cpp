@@ -13,8 +13,6 @@ using model::leg_count;
 
 namespace {
 
-constexpr int per_seal = 2 * static_cast<int>(arms_per_seal);  // states: each arm along t and a2
-
 /// each(arm, place of its two states in x).
 template <class Each>
 void for_arms(const dynamics::SealArms& arms, int first, const Each& each) {
@@ -69,7 +67,7 @@ void Plant::set_arms(const Pose& X_reference) {
     if (!seal.elastomer) return;
     arms = dynamics::seal_arms(seal.stiffness, *seal.elastomer);
     first = layout_.size;
-    layout_.size += per_seal;
+    layout_.size += StateLayout::arm_states;
     if (layout_.arms < 0) layout_.arms = first;
   };
   for (size_t i = 0; i < leg_count && kind() != ModelKind::rigid; ++i)
@@ -101,7 +99,7 @@ void Plant::set_softening(const Pose& X_reference, const Vector6& bending) {
                  .stiffness = seal.stiffness,
                  .series = f / (1.0 + f * seal.stiffness)};
     first = layout_.size;
-    layout_.size += softening_states;
+    layout_.size += StateLayout::softening_states;
     any = true;
   };
   for (size_t i = 0; i < leg_count && kind() != ModelKind::rigid; ++i)
@@ -110,9 +108,7 @@ void Plant::set_softening(const Pose& X_reference, const Vector6& bending) {
   for (size_t i = 0; i < leg_count && kind() == ModelKind::full; ++i)
     add(*legs[i].piston_ring, 0.0, ring_softening_[i], layout_.ring_softening[i]);
   if (!any) return;
-  Eigen::VectorXd x = Eigen::VectorXd::Zero(layout_.size);
-  x.head(layout_.positions) = mechanics_at_rest(X_reference);
-  for_seals(motion(x.data()), [&](const Seal& seal) {
+  for_seals(motion_at_rest(X_reference), [&](const Seal& seal) {
     auto& of = seal.sleeve ? sleeve_softening_ : ring_softening_;
     of[seal.leg].rest = seal.offset;
   });

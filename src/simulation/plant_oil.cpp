@@ -32,13 +32,10 @@ void Plant::set_oil_constants(const Pose& X_reference) {
   // with all friction they slide, or have bristles
   const auto& legs = machine_.legs;
   constants->sticks =
-      options_.friction != Friction::all &&
+      layout_.pressures >= 0 && options_.friction != Friction::all &&
       std::ranges::any_of(legs, [](const auto& leg) { return leg.stick_stiffness > 0.0; });
   if (constants->sticks) {
-    const Eigen::VectorXd y = mechanics_at_rest(X_reference);
-    const Eigen::VectorXd still = Eigen::VectorXd::Zero(layout_.velocities);
-    dynamics::Motion rest;
-    mechanics_.motion(y.data(), still.data(), rest);
+    const auto rest = motion_at_rest(X_reference);
     constants->stick_stiffness =
         numerics::gather([&](int i) { return legs[static_cast<size_t>(i)].stick_stiffness; });
     constants->stick_s =

@@ -49,6 +49,12 @@ Eigen::VectorXd Plant::mechanics_at_rest(const Pose& X_BP) const {
   return y;
 }
 
+dynamics::Motion Plant::motion_at_rest(const Pose& X_BP) const {
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(layout_.size);
+  x.head(layout_.positions) = mechanics_at_rest(X_BP);
+  return motion(x.data());
+}
+
 /// The file's lengths hold under the load at rest at the reference pose.
 void Plant::set_gimbals(const Pose& X_reference) {
   const auto& legs = machine_.legs;

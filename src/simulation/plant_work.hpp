@@ -12,7 +12,7 @@ using numerics::Lanes;
 constexpr int most_states =
     2 * dynamics::most_velocities + 1 + 4 * model::leg_count + 1 + model::leg_count + 12 +
     2 * model::leg_count * 2 * model::most_line_segments +
-    2 * (2 * static_cast<int>(dynamics::arms_per_seal) + 3) * model::leg_count;
+    2 * (StateLayout::arm_states + StateLayout::softening_states) * model::leg_count;
 using StateOnStack = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, most_states, 1>;
 
 /// The hydraulics of all legs: constants.

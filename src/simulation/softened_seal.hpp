@@ -15,8 +15,6 @@
 
 namespace hydrapod::simulation {
 
-inline constexpr int softening_states = 3;  ///< of one seal: w, d̄ along t and a2
-
 struct Plant::SoftenedSeal {
   using Vector2 = dynamics::Vector2;
   static constexpr double small = 1e-4;  ///< ε: s is off by 4e-5 softening at most where A > A_s

@@ -12,6 +12,7 @@
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/dynamics/linear_model.hpp"
 #include "hydrapod/hydraulics/servo_axis.hpp"
+#include "sliding_seals.hpp"
 
 namespace hydrapod::simulation {
 
@@ -88,7 +89,8 @@ double smallest_above_zero(const Vector6& gains) {
 }  // namespace
 
 Tuning tune_controller(const model::Machine& machine, const spatial::Pose& X_BP) {
-  const auto linear = dynamics::linear_model(machine, X_BP, dynamics::ModelKind::rigid);
+  const auto linear =
+      dynamics::linear_model(with_sliding_seals(machine), X_BP, dynamics::ModelKind::rigid);
   const auto& settings = machine.controller;
   const bool screws = model::leg_type(machine) == model::LegType::screw;
   const auto modes = oil_modes(linear);

@@ -369,12 +369,13 @@ identification::Identification modes_of(Measured& measured, const MeasureOptions
     if (progress) progress(0.5 * share);
     return false;
   });
+  auto found = identification::identify_modes(measured.measurement, options, [&](double share) {
+    if (progress) progress(0.5 + 0.5 * share);
+  });
   add_warning(measure.files.front(),
               "the whole record at once gives no modes (" + reason + "); averages of blocks do",
               measured.warnings);
-  return identification::identify_modes(measured.measurement, options, [&](double share) {
-    if (progress) progress(0.5 + 0.5 * share);
-  });
+  return found;
 }
 
 Identified identify(const IdentifyOptions& options, const Progress& progress) {

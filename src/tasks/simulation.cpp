@@ -261,6 +261,15 @@ void note_shorter_steps(const ClosedLoop& loop, const simulation::IntegratorOpti
                     1e3 * longest, 1e3 * integrator.fixed_step));
 }
 
+/// With valves, seals have their friction law, and nothing of the linear models' spring.
+std::optional<std::string> note_on_sticking_seals(const model::Machine& machine) {
+  if (std::ranges::none_of(machine.legs, [](const auto& leg) { return leg.stick_stiffness > 0.0; }))
+    return {};
+  return "`legs.stick_stiffness` has no effect here: a simulation with valves has "
+         "`legs.friction.bristles` for seals that stick, and the controller is tuned for seals "
+         "that slide";
+}
+
 /// What moved the machine, a line each.
 std::string notes_of(const SimulateOptions& options, const report::Simulation& result) {
   std::vector<std::string> lines;
@@ -317,6 +326,8 @@ report::Simulation simulate(const Machine& machine, const SimulateOptions& optio
   if (auto why = simulation::instability(loop); !why.empty())
     result.warnings.push_back(std::move(why));
   note_shorter_steps(loop, result.loop.integrator, result.warnings);
+  if (result.loop.actuators != simulation::Actuators::springs)
+    if (auto note = note_on_sticking_seals(of)) result.warnings.push_back(std::move(*note));
   for (const auto& command : commands) result.commands.push_back(signals::signal_text(command));
   for (const auto& one : forces)
     result.wrench.push_back(signals::signal_text(one, signals::wrench_units));
@@ -359,6 +370,8 @@ Rig rig(const Machine& machine, const RigOptions& asked, const Progress& progres
   try {
     auto loop = bounded_loop(of, machine.pose.X_BP, rig::loop_options(options), "--duration");
     result.findings = rig::check_levels(loop, options);
+    if (auto note = note_on_sticking_seals(of))
+      result.findings.push_back({base::Severity::warning, std::move(*note), true});
     if (!asked.force) judge(result.findings);
     if (asked.record.empty()) return result;
     auto header = rig_header(machine, options, asked.origin, loop.parameters());

@@ -55,6 +55,16 @@ TEST(WriteFileWhole, FollowsASymbolicLink) {
   EXPECT_EQ(test::read_text(folder / "target"), "second");
 }
 
+TEST(WriteFileWhole, FollowsASymbolicLinkToWhatIsNotThereYet) {
+  const TemporaryFolder folder;
+  fs::create_symlink("target", folder / "middle");
+  fs::create_symlink(folder / "middle", folder / "link");
+  write_file_whole((folder / "link").string(), "first");
+  EXPECT_TRUE(fs::is_symlink(folder / "link"));
+  EXPECT_TRUE(fs::is_symlink(folder / "middle"));
+  EXPECT_EQ(test::read_text(folder / "target"), "first");
+}
+
 TEST(WriteFileWhole, NamesTheFolderThatIsMissing) {
   const TemporaryFolder folder;
   const std::string missing = (folder / "no").string();
@@ -107,11 +117,16 @@ TEST(PartFile, LeavesThePartOfAKilledRun) {
 TEST(PartFile, LeavesAFileThatCameToBeThereBetweenTheCheckAndThePart) {
   const TemporaryFolder folder;
   const std::string path = (folder / "a.dat").string(), own = (folder / "b.dat").string();
-  expect_no_file(path);
+  const auto must_stay = [](const std::string& at) { return test::read_text(at) != "a table"; };
+  expect_no_file(path, must_stay);
   test::write_text(path, "of another program");
   EXPECT_THROW(PartFile{path}, InputError);
+  EXPECT_THROW(write_file_whole(path, "own"), InputError);
   EXPECT_EQ(test::read_text(path), "of another program");
-  expect_no_file(own);
+  test::write_text(path, "a table");
+  EXPECT_NO_THROW(PartFile{path});
+  test::write_text(path, "of another program");
+  expect_no_file(own, must_stay);
   for (const std::string text : {"first", "second"}) {  // its own it may replace
     PartFile file(own);
     test::write_text(file.part(), text);
@@ -120,6 +135,9 @@ TEST(PartFile, LeavesAFileThatCameToBeThereBetweenTheCheckAndThePart) {
   }
   fs::remove(path);
   EXPECT_NO_THROW(PartFile{path});
+  write_file_whole(path, "first");
+  write_file_whole(path, "second");
+  EXPECT_EQ(test::read_text(path), "second");
 }
 
 TEST(PartFile, AnIncompleteOneReplacesNoFile) {

@@ -104,7 +104,7 @@ TEST_F(OtherLegs, CheckOfScrewsStatesTorqueForceAndSpeed) {
   EXPECT_THAT(result.out, Not(HasSubstr("oil")));
   const auto weak = run({"check", "screws.toml", "--set", "legs.screw.torque_limit=3 N m"});
   EXPECT_EQ(weak.exit_code, 1);
-  EXPECT_THAT(weak.out, HasSubstr("the motors cannot hold the load"));
+  EXPECT_THAT(weak.out, HasSubstr("the motors cannot move the load"));
 }
 
 TEST_F(OtherLegs, CapabilityOfScrewsHasAPictureThatOfStrutsHasNone) {

@@ -10,6 +10,7 @@
 #include "hydrapod/hydraulics/servo_axis.hpp"
 #include "hydrapod/modal/normal_modes.hpp"
 #include "support/calibration_machine.hpp"
+#include "support/massless_legs.hpp"
 #include "support/published_machine.hpp"
 #include "support/unreduced_mount.hpp"
 
@@ -126,25 +127,15 @@ Eigen::VectorXd unreduced(const model::Machine& machine, const spatial::Pose& X_
   return solver.eigenvalues().cwiseMax(0.0).cwiseSqrt();
 }
 
-/// Massless legs: `times` 0 leaves base and legs without inertia.
-void scale_legs_inertia(model::Machine& machine, double times) {
-  for (auto& leg : machine.legs)
-    for (double* inertia :
-         {&leg.cylinder_case.mass, &leg.cylinder_case.transverse_inertia,
-          &leg.cylinder_case.axial_inertia, &leg.rod.mass, &leg.rod.transverse_inertia,
-          &leg.rod.axial_inertia, &leg.added_axial_inertia})
-      *inertia *= times;
-}
-
 /// Where nothing on the base has inertia it is condensed: the limit of a little inertia.
 TEST(BaseMount, IsCondensedWhereNothingOnItHasInertia) {
   auto machine = machine_of(11, false);
   const double k = 0.6 * *machine.legs[0].oil_spring.stiffness;
   machine.base_mount = mount_of(k, 0.7 * k);
-  scale_legs_inertia(machine, 1e-9);
+  test::scale_legs_inertia(machine, 1e-9);
   const auto limit = frequencies(machine, ModelKind::rigid);
   ASSERT_EQ(limit.size(), 12);
-  scale_legs_inertia(machine, 0.0);
+  test::scale_legs_inertia(machine, 0.0);
   EXPECT_TRUE(base_directions(machine).empty());
   const auto condensed = frequencies(machine, ModelKind::rigid);
   ASSERT_EQ(condensed.size(), 6);
@@ -160,7 +151,7 @@ TEST(BaseMount, AddsItsComplianceToThatOfTheLegs) {
   for (const bool condensed : {false, true}) {
     const auto kind = condensed ? ModelKind::rigid : ModelKind::guide;
     auto machine = machine_of(23, false);
-    if (condensed) scale_legs_inertia(machine, 0.0);
+    if (condensed) test::scale_legs_inertia(machine, 0.0);
     const auto& X_BP = machine.poses.back().X_BP;
     const auto still = linear_model(machine, X_BP, kind);
     const double k = 0.31 * *machine.legs[0].oil_spring.stiffness;
@@ -248,7 +239,7 @@ TEST(BaseWithCoordinates, LeavesThoseOfTheStillMachineAsTheyAre) {
 TEST(BaseWithCoordinates, AndPlatformAreTwoMassesAlongZ) {
   auto machine = test::published_machine();
   machine.gravity.setZero();
-  scale_legs_inertia(machine, 1e-9);
+  test::scale_legs_inertia(machine, 1e-9);
   const double m = machine.platform.mass, m_b = 20000.0, k_m = 1e8;
   const double k = linear_model(machine, machine.neutral(), ModelKind::rigid).K(2, 2);
   BaseMount mount = mount_of(k_m, 1e8);
@@ -326,7 +317,7 @@ TEST(BaseMount, HoldsItsShareOfTheElasticEnergy) {
 /// Rayleigh: d ln ω² / d ln k is the share of the energy in k, when all else is linear.
 TEST(BaseMount, EnergyShareIsTheSensitivityOfTheFrequency) {
   auto machine = machine_of(17, false);
-  scale_legs_inertia(machine, 0.0);  // it is condensed
+  test::scale_legs_inertia(machine, 0.0);  // it is condensed
   const double k = 4.0 * *machine.legs[0].oil_spring.stiffness, h = 1e-5;
   machine.base_mount = mount_of(k, k);
   const auto model = linear_model(machine, machine.neutral(), ModelKind::rigid);

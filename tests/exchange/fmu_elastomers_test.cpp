@@ -45,6 +45,16 @@ TEST_P(SofteningFmu, CannotBeTunedInWhatItRestsUnder) {
   EXPECT_EQ(error, slave.set("leg2.guide_sleeve.stiffness", 3e7));
 }
 
+/// The same number of states, of other seals.
+TEST_P(SofteningFmu, CannotBeTunedToSoftenOtherSeals) {
+  const Subject subject(GetParam(), machine());
+  ASSERT_EQ(subject.machine.legs[0].guide_sleeve.elastomer->softening, 0.0);
+  const Slave slave(subject.fmu, true);
+  EXPECT_EQ(error, slave.set({subject.fmu.reference("leg1.guide_sleeve.elastomer.softening"),
+                              subject.fmu.reference("leg2.guide_sleeve.elastomer.softening")},
+                             {0.3, 0.0}));
+}
+
 INSTANTIATE_TEST_SUITE_P(
     Fmu, SofteningFmu, testing::Values(Case{FmuVersion::fmi2, true}, Case{FmuVersion::fmi3, false}),
     [](const auto& of) { return std::string(of.param.hydraulics ? "Plant" : "Mechanics"); });

@@ -134,7 +134,7 @@ TEST(ElastomerArms, WrongOnesAreRefused) {
   EXPECT_THAT(message("table = [[1, 1.2, 0.1], [9, 0.5, 0.2]]"),
               HasSubstr("elastomer.table[1][1]: expected more than 1"));
   EXPECT_THAT(message("table = [[0, 1.2, 0.1], [9, 1.5, 0.2]]"),
-              HasSubstr("elastomer.table[0][0]: is no frequency above 0"));
+              HasSubstr("elastomer.table[0][0]: is no frequency from 1e-6 Hz to 1e6 Hz"));
   EXPECT_THAT(message("arms = { strength = [0, 0, 0], time = [0.2, 0.02, 2e-3] }"),
               HasSubstr("arms.strength: is 0 for all arms, expected one above 0"));
   for (const std::string number : {"0", "-0.3"})

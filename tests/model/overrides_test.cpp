@@ -66,6 +66,14 @@ TEST(Overrides, ADamperOfZeroSaysThatNothingDamps) {
   EXPECT_EQ(seal_ratio(with(and_a_ratio)).value, 0.03);
 }
 
+/// Nor is it assumed where a study takes a damper of the file to zero.
+TEST(Overrides, ADamperThatIsTakenToZeroLeavesNothingThatDamps) {
+  auto machine = with({"legs.oil_spring.damping=512.3"});
+  for (auto& leg : machine.legs) leg.oil_spring.damping = 0.0;
+  EXPECT_EQ(seal_ratio(machine).value, 0.0);
+  EXPECT_FALSE(seal_ratio(machine).is_default);
+}
+
 TEST(Overrides, OnlySpringsMayBeRigidAndNoneIsStifferThanRounding) {
   EXPECT_THROW(with({"platform.mass=rigid"}), base::InputError);
   EXPECT_NO_THROW(with({"legs.guide_sleeve.stiffness=1e15"}));

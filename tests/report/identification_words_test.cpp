@@ -68,7 +68,8 @@ std::vector<data::ResponseWarning> response_warnings() {
            .share = 0.0083,
            .lowest = 12.16,
            .highest = 12.59},
-          {.kind = Kind::short_record, .value = 10.0, .share = 1.28, .count = 7, .total = 12}};
+          {.kind = Kind::short_record, .value = 10.0, .share = 1.28, .count = 7, .total = 12},
+          {.kind = Kind::feedback, .share = 0.31, .estimator = data::Estimator::h1}};
 }
 
 std::vector<identification::ModeWarning> mode_warnings() {

@@ -438,5 +438,18 @@ TEST(Tuning, FollowsFromTheMachineAndGivesWayToTheFile) {
   EXPECT_EQ(other.parameters.feedback_gain[5], 3e-6);
 }
 
+/// Seals that stick hold small motions alone: controllers are tuned for those that slide.
+TEST(Tuning, DoesNotDependOnSealsThatStick) {
+  auto machine = machine_of("zhang-jiang-2021");
+  const auto tuning = tune_controller(machine, machine.neutral());
+  const ClosedLoop sliding(machine, machine.neutral(), {});
+  for (auto& leg : machine.legs) leg.stick_stiffness = 5.3e7;
+  const auto sticking = tune_controller(machine, machine.neutral());
+  EXPECT_EQ(sticking.lowest_oil_mode, tuning.lowest_oil_mode);
+  EXPECT_EQ(sticking.parameters.gain, tuning.parameters.gain);
+  EXPECT_EQ(sticking.parameters.feedback_gain, tuning.parameters.feedback_gain);
+  EXPECT_EQ(instability(ClosedLoop(machine, machine.neutral(), {})), instability(sliding));
+}
+
 }  // namespace
 }  // namespace hydrapod::simulation

@@ -195,7 +195,7 @@ TEST(Screws, WithEverythingAroundThemAreAsHeldWhenTheirRotorsAreHeavy) {
   EXPECT_GE(compared, 12);
 }
 
-/// Legs that bend and have mass: with heavy rotors they are held.
+/// Legs whose rotors hardly move.
 TEST(Screws, AreAsHeldWhenTheirRotorsAreHeavy) {
   auto machine = test::machine_of(test::screw_file);
   for (auto& leg : machine.legs) {

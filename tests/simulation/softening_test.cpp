@@ -10,11 +10,11 @@
 #include <numbers>
 
 #include "hydrapod/modal/damped_modes.hpp"
-#include "hydrapod/numerics/dense.hpp"
 #include "hydrapod/simulation/closed_loop.hpp"
 #include "hydrapod/simulation/linear_system.hpp"
 #include "support/bending_machine.hpp"
 #include "support/loop_machine.hpp"
+#include "support/plant_checks.hpp"
 #include "support/random_machine.hpp"
 #include "support/softening_machine.hpp"
 
@@ -25,6 +25,7 @@ using Complex = std::complex<double>;
 using dynamics::Vector2;
 using Eigen::VectorXd;
 using model::leg_count;
+using test::poles_of;
 using test::with_softening;
 using test::without_softening;
 
@@ -43,13 +44,6 @@ void for_softening(const StateLayout& layout, const Each& each) {
     if (layout.sleeve_softening[i] >= 0) each(i, true, layout.sleeve_softening[i]);
     if (layout.ring_softening[i] >= 0) each(i, false, layout.ring_softening[i]);
   }
-}
-
-Eigen::VectorXcd poles_of(const Plant& plant, const VectorXd& x, const PlantInput& input) {
-  const auto linear = plant.linearise(x, input);
-  VectorXd d(linear.A.rows());  // the rotation has three numbers there
-  d << plant.scales().head(3), plant.scales().segment(4, linear.A.rows() - 3);
-  return numerics::eigen_pairs(d.cwiseInverse().asDiagonal() * linear.A * d.asDiagonal()).values;
 }
 
 /// Relative to the pole.
@@ -165,32 +159,16 @@ TEST(PlantThatSoftens, LeavesLinearSystemsAsTheyAre) {
   }
 }
 
-/// Ė = −(what is dissipated) in any state, by a central difference along the motion; `machine`
-/// stands at its first pose.
-void expect_energy_account(const model::Machine& machine, ModelKind kind, test::Random& random) {
+/// In any state; `machine` stands at its first pose.
+void expect_energy_accounts(const model::Machine& machine, ModelKind kind, test::Random& random) {
   const auto& X_BP = machine.poses.front().X_BP;
   const Plant plant(machine, kind, springs, X_BP);
   const auto rest = plant.equilibrium(X_BP);
   for (int trial = 0; trial < 5; ++trial) {
-    VectorXd x = rest.x;
-    const VectorXd scales = plant.scales();
-    for (Eigen::Index k = 0; k < x.size(); ++k) x[k] += 0.3 * random.uniform(-1.0, 1.0) * scales[k];
+    VectorXd x = test::beside(plant, rest.x, random);
     for_softening(plant.layout(),
                   [&](std::size_t, bool, int first) { x[first] = random.uniform(0.01, 3.0); });
-    VectorXd rate(x.size());
-    ASSERT_TRUE(plant.derivative(0.0, x.data(), rest.input, rate.data()));
-    const auto energy = [&](double h) {
-      const VectorXd at = x + h * rate;
-      const auto out = plant.outputs(at.data(), rest.input);
-      return out.energies.total() + out.oil_spring_energy + out.seal_arms_energy;
-    };
-    const double h = 1e-6;
-    const double change =
-        (8.0 * (energy(h) - energy(-h)) - (energy(2 * h) - energy(-2 * h))) / (12.0 * h);
-    const double lost = plant.outputs(x.data(), rest.input).dissipation;
-    // rounding of the energy over h
-    const double rounding = 1e-14 * std::abs(energy(0.0)) / h;
-    EXPECT_NEAR(change, -lost, 1e-6 * std::abs(lost) + 10.0 * rounding);
+    test::expect_energy_account(plant, x, rest.input);
   }
 }
 
@@ -205,18 +183,18 @@ TEST(PlantThatSoftens, LosesTheEnergyThatItDissipates) {
   for (const auto axes : {model::FlexibleAxes::transverse, model::FlexibleAxes::gimbal})
     for (const auto kind : {ModelKind::guide, ModelKind::full}) {
       const auto random_one = [&] { return softening_machine(random, axes); };
-      expect_energy_account(that_stands(kind, random_one), kind, random);
+      expect_energy_accounts(that_stands(kind, random_one), kind, random);
       const auto on_guide = [&] {
         auto machine = random_one();
         for (auto& leg : machine.legs) leg.guide_sleeve.gap = 1.7e-4;
         return machine;
       };
-      expect_energy_account(that_stands(kind, on_guide), kind, random);
+      expect_energy_accounts(that_stands(kind, on_guide), kind, random);
       const auto bending = [&] {
         return with_softening(test::bending_machine(random, {.axes = axes}), 1.9e-4,
                               softening_time);
       };
-      expect_energy_account(that_stands(kind, bending), kind, random);
+      expect_energy_accounts(that_stands(kind, bending), kind, random);
     }
 }
 
@@ -319,7 +297,7 @@ TEST(OneSealThatSoftens, FollowsTheMeanSquareWithItsLag) {
       auto later = ring;
       if (t > 0.0) later.run(settled, settled + t, 1000);
       const double scale = steady.a * steady.a / std::pow(seal.softening_amplitude, 2);
-      EXPECT_NEAR(later.states[6], steady.square(t), 2e-3 * scale);
+      EXPECT_NEAR(later.states[6], steady.square(t), 3e-4 * scale);
       EXPECT_NEAR(later.states[7], steady.mean(t), 1e-4 * steady.a);
       EXPECT_NEAR(later.states[8], 0.0, 1e-12);
     }

@@ -170,7 +170,10 @@ void add_seals(const Scales& s, double f, std::vector<UnlistedCase>& all) {
                            set("legs.friction.breakaway", force), "legs.friction.viscous=0",
                            set("legs.friction.bristles.stiffness", sigma)},
                  .planted = {sticking_seals}},
-       .modes = modes_at_amplitude(amplitude)});
+       .modes = modes_at_amplitude(amplitude),
+       // springs along the legs, of which the data cannot always tell one from the other
+       .same_parts = {"sticking cylinder seals", "oil spring", "bulk modulus", "entrained air",
+                      "chamber or line volume", "gimbals"}});
 }
 
 void add_payload(const Scales& s, double f, std::vector<UnlistedCase>& all) {
@@ -360,9 +363,9 @@ bool stands(const UnlistedCase& test) {
   }
 }
 
-/// Also those of causes that are candidates by now: the numbers of the others, which their sizes
-/// and their noise are drawn from, stay what they were.
-std::vector<UnlistedCase> all_cases() {
+}  // namespace
+
+std::vector<UnlistedCase> unlisted_cases() {
   std::vector<UnlistedCase> all;
   for (const auto& setting : settings()) {
     const BlindCase basic{.machine = setting.machine,
@@ -397,16 +400,8 @@ std::vector<UnlistedCase> all_cases() {
   return all;
 }
 
-}  // namespace
-
-std::vector<UnlistedCase> unlisted_cases() {
-  auto all = all_cases();
-  std::erase_if(all, [](const auto& one) { return !one.basic.planted.empty(); });
-  return all;
-}
-
 std::vector<UnlistedCase> sticking_cases() {
-  auto all = all_cases();
+  auto all = unlisted_cases();
   std::erase_if(all, [](const auto& one) { return one.basic.planted.empty(); });
   const std::size_t count = all.size();
   constexpr double small = 0.1 * amplitude;

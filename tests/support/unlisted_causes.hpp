@@ -38,11 +38,11 @@ struct UnlistedResult {
   bool right_part{};  ///< all that is blamed is of `same_parts`
 };
 
-/// All cases of the series.
+/// All cases of the series. Bristles of the cylinders' seals are a candidate cause with one spring
+/// for all modes and legs; harmonic balance has another one for each.
 std::vector<UnlistedCase> unlisted_cases();
 
-/// Bristles of the cylinders' seals in the same machines, at two amplitudes: a candidate cause, but
-/// harmonic balance has another spring for each mode and leg, and the candidate one for all.
+/// Those with bristles, at two amplitudes.
 std::vector<UnlistedCase> sticking_cases();
 
 /// What is measured of a case.

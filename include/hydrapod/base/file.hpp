@@ -17,6 +17,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -75,10 +76,10 @@ class PartFile {
   bool kept_{};
 };
 
-/// There is no file at `path`, and this program was not told to replace one. If another program
-/// makes one there before this one does, a PartFile of this path throws InputError and leaves it as
-/// it is. Holds for the whole process, until a PartFile has made the file.
-void expect_no_file(const std::string& path);
+/// There is no file at `path`, and this program was not told to replace one that `must_stay`. If
+/// another program makes one there before this one does, write_file_whole and PartFile throw
+/// InputError and leave it as it is. Holds for the whole process, until it has made the file.
+void expect_no_file(const std::string& path, std::function<bool(const std::string&)> must_stay);
 
 struct TableStyle {
   char separator{','};

@@ -334,7 +334,8 @@ struct Sensitivities {
   std::vector<model::FileNumber> parameters{};  ///< those that matter and are not zero
   /// Modes × parameters: d ln ω / d ln p; NaN for modes that have buckled or do not oscillate.
   Eigen::MatrixXd percent_per_percent{};
-  Eigen::VectorXd omega{};  ///< [rad/s], ascending; 0: buckled
+  /// [rad/s], ascending; 0: buckled; last the undamped ones of modes that do not oscillate.
+  Eigen::VectorXd omega{};
 };
 
 /// All numbers of the file that change its modes at pose number `pose`, or those at `paths`.

@@ -165,9 +165,11 @@ struct ResponseWarning {
     exponential_window,  ///< value: time constant [s] of the window that an analyser applied, whose
                          ///< damping is taken out; count: 1: the file says so
     wandering_tone,  ///< a vibration of constant amplitude at `value` [Hz] wanders by `share` of it
-                    ///< to either side; spectra from `lowest` to `highest` [Hz] are left out for it
-    short_record     ///< modes are those of the record in one piece: it has `value` [s], `count`
+                     ///< to either side; spectra from `lowest` to `highest` [Hz] are left out for
+                     ///< it
+    short_record,    ///< modes are those of the record in one piece: it has `value` [s], `count`
                      ///< blocks of `share` [s] side by side, and averages need `total`
+    feedback  ///< inputs follow outputs: these explain `share` of what the inputs' past does not
   };
   Kind kind{};
   std::string channel{}, other{};

@@ -77,7 +77,7 @@ struct LegElement {
   double l{};     ///< length [m]
   double l_m{};   ///< piston from the base joint, along the case [m]
   double l_mh{};  ///< guide sleeve from the piston, along the case [m]
-  double k_h{};   ///< oil spring, gimbals in series [N/m]
+  double k_h{};   ///< oil spring, gimbals in series, seals that stick beside them [N/m]
   double k_s{};   ///< guide sleeve [N/m]
   double k_g{};   ///< piston ring [N/m]
 

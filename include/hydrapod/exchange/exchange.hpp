@@ -183,10 +183,10 @@ PayloadElement read_universal_element(const std::string& path, int node);
 
 struct PayloadFromElement {
   std::vector<model::PayloadMode> modes{};  ///< lowest first
-  spatial::Matrix6 mass{};   ///< of the whole rigid structure about its interface, axes of P
-  double first_left_out{};   ///< [rad/s]; 0: all modes are kept
-  /// C couples two of the modes, and modes of a payload have dampers of their own alone: the largest
-  /// |c_jk| ω_k/|ω_j² − ω_k²|, about the share of one mode in the other, and where.
+  spatial::Matrix6 mass{};  ///< of the whole rigid structure about its interface, axes of P
+  double first_left_out{};  ///< [rad/s]; 0: all modes are kept
+  /// C couples two of the modes, and modes of a payload have dampers of their own alone: the
+  /// largest |c_jk| ω_k/|ω_j² − ω_k²|, about the share of one mode in the other, and where.
   struct Coupling {
     double share{}, omega{}, other{};
   };

@@ -220,8 +220,9 @@ struct MeasuredText {
 /// What identification_json() has, and `records[]`, `measured`, `frame`, `comparison` (or null; its
 /// `pairs[]` with `motion` of the model's modes), `outputs[].time_derivatives`, `responses`:
 /// `frequency_hz[]`, `response[output][input]` with `re[]`, `im[]`, `deviation[]`, at most 1000
-/// lines, `multiple_coherence[]`, `input_correlation[]` of pairs of inputs or null; `taper`: ρ − 1 at even steps, null where resonances are not
-/// widened; poles of `stabilisation[]` with `pole`, `participation`. Numbers to seven digits.
+/// lines, `multiple_coherence[]`, `input_correlation[]` of pairs of inputs or null; `taper`: ρ − 1
+/// at even steps, null where resonances are not widened; poles of `stabilisation[]` with `pole`,
+/// `participation`. Numbers to seven digits.
 Json identification_section(const identification::Identification& result,
                             const std::optional<ComparedModes>& compared, const MeasuredText& text);
 

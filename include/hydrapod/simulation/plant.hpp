@@ -82,6 +82,9 @@ struct PlantOptions {
   bool softening{true};
 };
 
+/// Of a linearisation at rest.
+inline constexpr PlantOptions small_motions{.friction = Friction::viscous, .softening = false};
+
 struct PlantInput {
   Vector6 command{Vector6::Zero()};  ///< of valves or motors, clipped to [−1, 1]
   Vector6 wrench{Vector6::Zero()};   ///< force [N] and moment [N m] about C, base axes
@@ -112,6 +115,10 @@ struct StateLayout {
   std::array<int, model::leg_count> sleeve_softening{-1, -1, -1, -1, -1, -1};
   std::array<int, model::leg_count> ring_softening{-1, -1, -1, -1, -1, -1};
   int size{};
+  /// States of the arms of one seal, and of its softening.
+  static constexpr int arm_states = 2 * static_cast<int>(dynamics::arms_per_seal);
+  static constexpr int softening_states = 3;
+  bool operator==(const StateLayout&) const = default;
   [[nodiscard]] int velocity() const { return positions; }
   [[nodiscard]] int tangent() const { return size - 1; }  ///< length of a small change of x
   [[nodiscard]] int cap(int leg) const { return pressures + 2 * leg; }
@@ -309,6 +316,7 @@ class Plant {
   double hold(const dynamics::StaticEquilibrium& statics, const model::Supply& supply,
               Rest& rest) const;
   [[nodiscard]] Eigen::VectorXd mechanics_at_rest(const Pose& X_BP) const;
+  [[nodiscard]] dynamics::Motion motion_at_rest(const Pose& X_BP) const;
   void set_base(const Pose& X_reference);
   [[nodiscard]] Vector6 base_part(const double* x, int first) const;
   void base_outputs(const double* x, const Work& work, PlantOutput& out) const;
