@@ -430,6 +430,33 @@ test('the button below the shape switches its mode; a pole can be added by hand,
   });
 });
 
+test('Reset takes out the poles that were added, and Switch off afterwards leaves the identified ones in the list', async () => {
+  await withKeptPage(page_of(), still, async (page) => {
+    const chosen = () => page.evaluate(() => window.hydrapod.identification.chosen());
+    const identified = await chosen();
+    const rows = page.locator('#identification .identified tbody tr');
+    const button = page.locator('[data-control="selected-switch"]');
+    await pressByHand(page, 'hand-switch');
+    assert.equal(await rows.count(), identified.length + 1);
+    await rows.last().locator('[data-shape]').click(); // the added pole is the one whose shape is shown
+    await page.click('[data-control="as-found"]');
+    assert.deepEqual(await chosen(), identified);
+    assert.equal(await button.textContent(), 'Add to the fit');
+    await button.click();
+    assert.equal((await chosen()).length, identified.length + 1);
+    assert.equal(await button.textContent(), 'Switch off');
+    await button.click();
+    assert.deepEqual(await chosen(), identified, 'no identified pole was taken out');
+    assert.equal(await rows.count(), identified.length);
+    await page.locator('#identification [data-shape="0"]').click();
+    await button.click();
+    assert.equal((await chosen()).length, identified.length - 1);
+    await page.click('[data-control="as-found"]');
+    assert.deepEqual(await chosen(), identified, 'a mode that was switched off is on again');
+    await settled(page);
+  });
+});
+
 test('tables: modes with their intervals, MAC, comparison', async () => {
   await withKeptPage(page_of(), still, async (page) => {
     const rows = await page.$$eval('#identification .identified tbody tr', (all) =>

@@ -216,13 +216,14 @@ class IdentificationSection {
 
   private nameSwitch(): void {
     const known = this.selected?.mark ? this.choice.of(this.selected.mark) : this.selected?.known;
-    this.switchButton.textContent = !known ? 'Add to the fit' : known.on ? 'Switch off' : 'Switch on';
+    const added = known && (known.kind !== 'hand' || known.on); // not one that was taken out again
+    this.switchButton.textContent = !added ? 'Add to the fit' : known.on ? 'Switch off' : 'Switch on';
   }
 
   private switchSelected(): void {
     const { known, mark, order } = this.selected ?? {};
     if (mark && order !== undefined) this.choice.toggle(mark, order);
-    else if (known && (known.kind !== 'hand' || known.on)) this.choice.set(known, !known.on);
+    else if (known) this.choice.set(known, !known.on);
   }
 
   /** Of a mode or a heavily damped pole as the program found it; null: the fit has to tell. */
