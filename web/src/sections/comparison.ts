@@ -7,7 +7,7 @@ import { DiagramStack } from '../bode/stack';
 import type { ComparedThing, SideBySide, TestedDifference } from '../document';
 import { controlRow, html, select } from '../dom';
 import { magnitude, phase } from '../complex';
-import { fixed, halfWidth95, significant } from '../numbers';
+import { fixed, halfWidth95, withInterval } from '../numbers';
 import { palette } from '../palette';
 import type { State } from '../state';
 import { numeric, scroller, tableHead } from '../table';
@@ -38,22 +38,20 @@ const verdictWords: Record<TestedDifference['verdict'], string> = {
   cannot_say: 'cannot say',
 };
 
-/** "5.024 ± 0.012": as many digits as the interval has, at least `least`. */
-function withInterval(value: number, deviation: number | null, least: number): string {
-  if (deviation === null || !(deviation > 0)) return fixed(value, least);
-  const interval = halfWidth95 * deviation;
-  const digits = Math.min(9, Math.max(least, 1 - Math.floor(Math.log10(interval))));
-  return `${fixed(value, digits)} ± ${significant(interval, 2)}`;
+/** "5.024 ± 0.012"; `otherwise`: decimals where no interval is known. */
+function estimate(value: number, deviation: number | null, otherwise: number): string {
+  if (deviation === null || !(deviation > 0)) return fixed(value, otherwise);
+  return withInterval(value, halfWidth95 * deviation, otherwise).join(' ± ');
 }
 
-const signed = (value: number, deviation: number | null, least: number): string =>
-  `${value < 0 ? '−' : '+'}${withInterval(Math.abs(value), deviation, least)}`;
+const signed = (value: number, deviation: number | null, otherwise: number): string =>
+  `${value < 0 ? '−' : '+'}${estimate(Math.abs(value), deviation, otherwise)}`;
 
 const scaled = (deviation: number | null, factor: number): number | null =>
   deviation === null ? null : deviation * factor;
 
 function frequencyText(mode: ComparedThing['modes'][number]): string {
-  return withInterval(mode.frequency_hz, scaled(mode.omega_deviation_rad_s, 1 / (2 * Math.PI)), 3);
+  return estimate(mode.frequency_hz, scaled(mode.omega_deviation_rad_s, 1 / (2 * Math.PI)), 3);
 }
 
 interface Difference {

@@ -4,7 +4,7 @@
 import { stackedBar, type Part } from '../bars';
 import type { Diagnosis, DiagnosedMode, Hypothesis, Remedy } from '../document';
 import { button, html, svg } from '../dom';
-import { fixed, hertz, signedPercent } from '../numbers';
+import { fixed, halfWidth95, hertz, raised, signedPercent, withInterval } from '../numbers';
 import { Prediction } from '../diagnosis/prediction';
 import type { State } from '../state';
 import { scroller, tableHead } from '../table';
@@ -61,7 +61,7 @@ function measuredTable(state: State, found: Diagnosis): HTMLElement {
       'tr',
       {},
       html('th', { scope: 'row' }, `${mode.direction ?? '?'}${mode.mode_direction === undefined ? '' : ` (mode: ${mode.mode_direction})`}, ${mode.pose}`),
-      cell(`${hertz(mode.frequency_hz)} ± ${fixed(mode.deviation_hz, 3)}`),
+      cell(withInterval(mode.frequency_hz, halfWidth95 * mode.deviation_hz, 3).join(' ± ')),
       cell(mode.rigid_hz !== null && mode.rigid_mac >= 0.1 ? hertz(mode.rigid_hz) : ''),
       cell(mode.rigid_hz !== null && mode.rigid_mac >= 0.1 ? signedPercent(-100 * mode.drop) : ''),
       cell(hertz(mode.nominal_hz)),
@@ -85,19 +85,27 @@ function measuredTable(state: State, found: Diagnosis): HTMLElement {
     html(
       'table',
       { class: 'diagnosed' },
-      html('caption', {}, 'Measured modes, rigid-leg model and best hypothesis'),
+      html('caption', {}, 'Measured modes with half their 95 % intervals, rigid-leg model and best hypothesis'),
       tableHead(...titles.map((title): [string] => [title])),
       html('tbody', {}, ...rows),
     ),
   );
 }
 
+/** "5.2 ± 0.1", "(8.40 ± 0.02)·10⁵": with its standard deviation. */
+function estimate(value: number, deviation: number | null): string {
+  if (deviation === null || !(deviation > 0)) return plain(value);
+  const size = Math.abs(value);
+  const exponent = size >= 1e5 || (size > 0 && size < 1e-2) ? Math.floor(Math.log10(size)) : 0;
+  const text = withInterval(value / 10 ** exponent, deviation / 10 ** exponent, 3).join(' ± ');
+  return exponent === 0 ? text : `(${text})·10${raised(exponent)}`;
+}
+
 const values = (e: Hypothesis): string =>
   e.parameters
     .map(
       (p) =>
-        `${p.paths.join(', ')} = ${plain(p.value)}` +
-        (p.deviation !== null ? ` ± ${plain(p.deviation)}` : '') +
+        `${p.paths.join(', ')} = ${estimate(p.value, p.deviation)}` +
         ` ${p.unit === '1' ? '' : p.unit}` +
         (p.at_bound ? ' (at its bound)' : ''),
     )
