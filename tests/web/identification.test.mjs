@@ -250,7 +250,7 @@ test('a browser without WebAssembly shows why there is no fit, and all that the 
     };
   };
   await withPage(page_of(), { ...still, launch }, async (page) => {
-    assert.match(await page.locator('#identification').textContent(), /cannot run the core/);
+    assert.match(await page.locator('#identification').textContent(), /The page could not calculate: /);
     assert.ok((await page.evaluate(() => window.hydrapod.identification.marks().length)) > 100);
     const motions = await page.$$eval('#identification .identified tbody tr', (rows) =>
       rows.map((row) => row.querySelectorAll('td')[4].textContent),
@@ -261,10 +261,10 @@ test('a browser without WebAssembly shows why there is no fit, and all that the 
     );
     await page.locator('#identification [data-pole="1"]').uncheck();
     await settled(page);
-    assert.match(await page.locator('#identification').textContent(), /cannot run the core/);
+    assert.match(await page.locator('#identification').textContent(), /The page could not calculate: /);
     await pressByHand(page, 'hand-show');
     await settled(page);
-    assert.match(await page.locator('.moving-shape .caption').textContent(), /cannot run the core/);
+    assert.match(await page.locator('.moving-shape .caption').textContent(), /The page could not calculate: /);
     await page.locator('#identification [data-shape="0"]').click();
     assert.match(await page.locator('.moving-shape .caption').textContent(), /^Mode 1:/);
   });

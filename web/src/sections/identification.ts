@@ -100,7 +100,7 @@ class IdentificationSection {
       this.select({ pole: known, known }, true);
       this.shape?.element.scrollIntoView({ behavior: 'auto', block: 'nearest' });
     };
-    if (this.fitter) this.error.textContent = 'The core is starting …';
+    if (this.fitter) this.error.textContent = 'The fit is calculated …';
     host.append(...this.parts());
     state.listen((change) => {
       if (change !== 'theme') return;
