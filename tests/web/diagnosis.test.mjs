@@ -182,6 +182,11 @@ test('measured responses have the prediction of every hypothesis over them', asy
     assert.ok(found.hypotheses[cause].equally_good);
     await page.evaluate(() => window.hydrapod.diagnosis.choose(0, 2));
     assert.equal(await page.locator('#diagnosis .prediction .uplot').count(), 1);
+    assert.match(await page.locator('.prediction-title').textContent(), /: motion in z$/);
+    await page.emulateMedia({ media: 'print' });
+    const style = await page.locator('#diagnosis .prediction .uplot').evaluate((plot) => getComputedStyle(plot).breakInside);
+    assert.equal(style, 'avoid', 'no diagram is cut by the end of a page');
+    await page.emulateMedia({ media: 'screen' });
     const drawn = (number) =>
       page.evaluate((k) => {
         window.hydrapod.diagnosis.show(k);
