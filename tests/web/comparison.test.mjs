@@ -87,6 +87,22 @@ test('the verdict is the last line of hydrapod compare', async () => {
   });
 });
 
+test('of calculated values no difference was tested, and both say so', async () => {
+  const equal = compared('equal', published, '--set', 'legs.oil_spring.damping=1 N s/m');
+  for (const { page: make } of [machines, equal])
+    await withKeptPage(make(), still, async (page) => {
+      assert.match(await page.locator('#comparison .findings li').textContent(), /no difference was tested, because no measurement uncertainty is known/);
+      assert.match(await page.locator('#comparison').textContent(), /No difference was tested for significance\./);
+    });
+  await withKeptPage(equal.page(), still, async (page) => {
+    const head = await page.locator('#comparison .side-by-side .lane-head').first().textContent();
+    assert.equal(head, 'no difference', 'the frequencies are equal');
+  });
+  await withKeptPage(measurements.page(), still, async (page) => {
+    assert.doesNotMatch(await page.locator('#comparison').textContent(), /was tested/);
+  });
+});
+
 test('softer oil makes measured frequencies differ significantly', () => {
   const verdicts = measurements.result.comparisons[0].pairs.map((pair) => pair.omega_rad_s.verdict);
   assert.ok(verdicts.every((verdict) => verdict === 'significant'), verdicts.join());

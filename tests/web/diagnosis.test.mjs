@@ -216,8 +216,7 @@ test('the prediction of the best hypothesis is what the core of the page compute
       overlay.curves[d].predicted[at].forEach((value, k) => {
         const place = 72 * k + 14 * d; // (d, d) of the line: re, im
         const size = Math.hypot(numbers[place], numbers[place + 1]);
-        // frequencies in the document have five digits, which matters at resonances
-        near(value, size, 0.05 * size, `${overlay.curves[d].direction} at ${overlay.frequency_hz[k]} Hz`);
+        near(value, size, 2e-4 * size, `${overlay.curves[d].direction} at ${overlay.frequency_hz[k]} Hz`);
       });
   });
 });

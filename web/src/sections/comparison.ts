@@ -101,9 +101,12 @@ function rowsOf(all: SideBySide, one: Compared): Row[] {
   });
 }
 
+/** All less than this are equal: the axis of their points has no range. */
+const noDifference = 5e-4;
+
 /** What holds all differences with their intervals. */
 const reachOf = (differences: Difference[]): number =>
-  1.1 * Math.max(1e-9, ...differences.map(({ value, deviation }) => Math.abs(value) + halfWidth95 * (deviation ?? 0)));
+  1.1 * Math.max(noDifference, ...differences.map(({ value, deviation }) => Math.abs(value) + halfWidth95 * (deviation ?? 0)));
 
 /** A difference as a number, as a point beside zero, and its verdict. */
 const differenceCells = (difference: Difference, reach: number): HTMLElement[] => [
@@ -116,7 +119,9 @@ function pairTable(all: SideBySide, one: Compared): HTMLElement {
   const b = letter(one.thing - 1);
   const rows = rowsOf(all, one);
   const [reach, dampingReach] = [reachOf(rows.map((r) => r.frequency)), reachOf(rows.map((r) => r.damping))];
-  const range = (value: number, unit: string) => `± ${fixed(value, value < 1 ? 3 : 1)} ${unit}`;
+  if (rows.length === 0) return html('p', {}, `No mode of A has a partner in ${b}.`);
+  const range = (value: number, unit: string) =>
+    value > 2 * noDifference ? `± ${fixed(value, value < 1 ? 3 : 1)} ${unit}` : 'no difference';
   return scroller(
     `Modes of A and ${b}`,
     html(
@@ -171,6 +176,7 @@ function notes(all: SideBySide, one: Compared): HTMLElement {
     ...left(one.first_left, 0),
     ...left(one.second_left, one.thing - 1),
     `Shapes: ${one.shapes}.`,
+    words.size > 0 && !words.has('significant') && !words.has('not_significant') ? 'No difference was tested for significance.' : '',
     words.has('significant') || words.has('not_significant') ? `Significant: ${all.test}; ± is half the 95 % interval.` : '',
     words.has('calculated') ? 'Calculated: both values are calculated and have no measurement uncertainty.' : '',
     words.has('cannot_say') ? 'Cannot say: the uncertainty of a measured value is not known.' : '',
