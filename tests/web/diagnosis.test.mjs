@@ -1,6 +1,6 @@
 // The diagnosis: numbers against the command line's JSON, the mode of the identified cause in motion, the stiffness.
 import assert from 'node:assert/strict';
-import { writeFileSync } from 'node:fs';
+import { readFileSync, writeFileSync } from 'node:fs';
 import { test } from 'node:test';
 import {
   findings,
@@ -118,6 +118,23 @@ test('the page opens in the mode of the identified cause, and a measured mode ca
       'another mode moves the joint elsewhere',
     );
     assert.ok(first === undefined || first > 0);
+  });
+});
+
+test('the axial part of the legs has the name of its kind', async () => {
+  const text = readFileSync(page_, 'utf8').replaceAll('"strain_energy":{', '"strain_energy":{"axial":"screws",');
+  const file = temporary('screws.html');
+  writeFileSync(file, text);
+  await withPage(file, still, async (page) => {
+    const bars = await page.locator('#diagnosis .diagnosed .bar').evaluateAll((all) => all.map((bar) => bar.title));
+    const modes = await page.evaluate(() => window.hydrapod.report.diagnosis.measured_modes);
+    assert.equal(bars.length, modes.length);
+    bars.forEach((words, k) => {
+      const { oil, axial, ...others } = modes[k].strain_energy;
+      near(oil + Object.values(others).reduce((a, b) => a + b, 0), 1, 1e-9, 'all shares');
+      assert.equal(words.includes('screws'), oil >= 0.005, words);
+      assert.ok(!words.includes('oil'), words);
+    });
   });
 });
 

@@ -1,10 +1,10 @@
 // The diagnosis: measured modes with those of the rigid-leg model and of the best hypothesis, the
 // ranking, the required stiffness. A click on a measured mode shows the machine moving in this mode.
 
-import { stackedBar, type Part } from '../bars';
+import { energyParts, stackedBar } from '../bars';
 import type { Diagnosis, DiagnosedMode, Hypothesis, Remedy } from '../document';
 import { button, html, svg } from '../dom';
-import { fixed, halfWidth95, hertz, raised, signedPercent, withInterval } from '../numbers';
+import { fixed, hertz, raised, signedPercent, withInterval } from '../numbers';
 import { Prediction } from '../diagnosis/prediction';
 import type { State } from '../state';
 import { scroller, tableHead } from '../table';
@@ -22,19 +22,6 @@ const plain = (value: number): string =>
     ? value.toPrecision(4).replace('e+', 'e')
     : String(Number(value.toPrecision(4)));
 
-const energy = (strain: DiagnosedMode['strain_energy']): Part[] => [
-  { name: 'oil', long: 'oil', value: strain.oil, kind: 'oil' },
-  { name: 'sleeves', long: 'guide sleeves', value: strain.guide_sleeve, kind: 'sleeve' },
-  { name: 'rings', long: 'piston rings', value: strain.piston_ring, kind: 'ring' },
-  { name: 'base', long: 'base', value: strain.base_mount, kind: 'legs' },
-  ...(strain.payload
-    ? [{ name: 'payload', long: 'payload', value: strain.payload, kind: 'legs' }]
-    : []),
-  ...(strain.bending
-    ? [{ name: 'bending', long: 'bending of rods and cases', value: strain.bending, kind: 'legs' }]
-    : []),
-];
-
 /** The mode of the page's first pose whose frequency is closest to the fitted one of `mode`. */
 function shownMode(state: State, mode: DiagnosedMode): number {
   let best = state.pose.modes[0];
@@ -51,6 +38,8 @@ function shownMode(state: State, mode: DiagnosedMode): number {
 const cell = (text: string) => html('td', {}, text);
 
 function measuredTable(state: State, found: Diagnosis): HTMLElement {
+  const type = state.stated.modes[0]?.strain_energy.axial; // of all legs; the diagnosis does not repeat it
+  const axial = type === undefined ? {} : { axial: type };
   const rows = (found.measured_modes ?? []).map((mode) => {
     const show = () => {
       state.chooseMode(shownMode(state, mode));
@@ -61,12 +50,12 @@ function measuredTable(state: State, found: Diagnosis): HTMLElement {
       'tr',
       {},
       html('th', { scope: 'row' }, `${mode.direction ?? '?'}${mode.mode_direction === undefined ? '' : ` (mode: ${mode.mode_direction})`}, ${mode.pose}`),
-      cell(withInterval(mode.frequency_hz, halfWidth95 * mode.deviation_hz, 3).join(' ± ')),
+      cell(withInterval(mode.frequency_hz, mode.deviation_hz, 3).join(' ± ')),
       cell(mode.rigid_hz !== null && mode.rigid_mac >= 0.1 ? hertz(mode.rigid_hz) : ''),
       cell(mode.rigid_hz !== null && mode.rigid_mac >= 0.1 ? signedPercent(-100 * mode.drop) : ''),
       cell(hertz(mode.nominal_hz)),
       cell(hertz(mode.fitted_hz)),
-      html('td', {}, stackedBar(energy(mode.strain_energy))),
+      html('td', {}, stackedBar(energyParts({ ...mode.strain_energy, ...axial }))),
       html('td', {}, here ? button('Show', show, { 'data-control': 'show-mode', 'aria-label': `Show the motion of the mode at ${hertz(mode.frequency_hz)} Hz` }) : ''),
     );
   });
@@ -85,7 +74,7 @@ function measuredTable(state: State, found: Diagnosis): HTMLElement {
     html(
       'table',
       { class: 'diagnosed' },
-      html('caption', {}, 'Measured modes with half their 95 % intervals, rigid-leg model and best hypothesis'),
+      html('caption', {}, 'Measured modes with their standard deviations, rigid-leg model and best hypothesis'),
       tableHead(...titles.map((title): [string] => [title])),
       html('tbody', {}, ...rows),
     ),
