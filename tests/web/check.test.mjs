@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import { test } from 'node:test';
-import { findings, json, model, report, still, withPage } from './support.mjs';
+import { findings, json, model, published, report, still, withPage } from './support.mjs';
 
 const heavy = model('heavy-platform.toml');
 

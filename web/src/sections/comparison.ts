@@ -206,7 +206,7 @@ class Responses {
       controlRow(select('Response', names, (k) => this.choose(names[k]), 'compared-response')),
       this.plots.element,
       this.legend,
-      html('p', { class: 'note' }, 'Drag across a diagram to zoom, double-click for the whole range.'),
+      html('p', { class: 'note' }, 'Magnitudes are lines, phases are points. Drag across a diagram to zoom, double-click for the whole range.'),
     ];
   }
 

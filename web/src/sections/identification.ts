@@ -154,7 +154,7 @@ class IdentificationSection {
     const zoom = 'Drag across a diagram to zoom, double-click for the whole range.';
     if (!this.fitter)
       return (
-        'Solid: parametric model of the record, with its 95 % band; dashed: sum of the identified modes and of the ' +
+        'Solid, for phases points: parametric model of the record, with its 95 % band; dashed: sum of the identified modes and of the ' +
         `residual terms. ${zoom}`
       );
     const shift = this.data.responses.shift_per_s;
@@ -164,7 +164,7 @@ class IdentificationSection {
         ? `; both at s = a + iω with a = ${shift.toPrecision(2)} 1/s, which widens the resonances`
         : '';
     return (
-      `Solid: measured, with its 95 % band where errors are known; dashed: fit of the poles that are ` +
+      `Solid, for phases points: measured, with its 95 % band where errors are known; dashed: fit of the poles that are ` +
       `switched on${window}. ${zoom}`
     );
   }
