@@ -1,7 +1,7 @@
 // The map of the workspace and the machine at the pose of its cross: numbers of the command line.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { findings, json, model, near, open, report, rowsOf, sameRow, still, withPage } from './support.mjs';
+import { findings, json, model, near, open, published, report, rowsOf, sameRow, still, withPage } from './support.mjs';
 
 const heavy = model('heavy-platform.toml');
 
