@@ -167,7 +167,7 @@ std::string actuators_text(const model::Machine& machine, const report::Simulati
   if (s.loop.actuators == simulation::Actuators::springs)
     return model::leg_type(machine) == model::LegType::cylinder ? "oil springs, no hydraulics"
            : has_struts(machine)                                ? "plain struts"
-                                                                : "motors held";
+                                                                : "motors locked";
   const bool electric = model::leg_type(machine) == model::LegType::screw;
   if (s.loop.actuators == simulation::Actuators::held)
     return electric ? "motors held at the speed 0, no controller" : "valves held, no controller";
@@ -195,7 +195,7 @@ std::string controller_text(const model::Machine& machine, const control::Contro
   const auto& screw = machine.legs[0].screw;
   const std::string mode =
       fmt::format("{:.4g} rad/s, the lowest {}", lowest_oil_mode,
-                  screw ? "mode of the platform with held motors" : "oil mode");
+                  screw ? "mode of the platform with locked motors" : "oil mode");
   row("space", p.space == model::ControlSpace::pose ? "pose" : "leg", "");
   const bool by_pressure = p.feedback == model::DampingFeedback::pressure;
   row("gain", six(p.gain, "1/s"),
@@ -389,7 +389,7 @@ void add_simulate(Command app) {
         "Displacement from the pose at which the platform is released: \"x=1 mm, ry=0.1 deg\""},
        {"--actuators", arguments.actuators,
         "controlled; held: valves stay as at rest (motors at the speed 0), no controller; springs: "
-        "mechanics alone, the oil springs of the linear model or held motors hold the legs"},
+        "mechanics alone, the oil springs of the linear model or locked motors hold the legs"},
        {"--until", arguments.until,
         "Simulated time, s or with a unit; default: until shortly after the signals"},
        {"--dt-output", arguments.dt_output,

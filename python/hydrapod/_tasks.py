@@ -173,7 +173,7 @@ def simulate(machine: Machine, commands: Texts = (), *, wrench: Texts = (), init
     wrench: force and moment about the mass centre, "sine x=500 N, frequency=4 Hz".
     initial: displacement from the pose at which the platform is released, "x=1 mm, ry=0.1 deg".
     actuators: "controlled"; "held", valves that stay as at rest, or motors held at the speed 0; "springs",
-    mechanics alone on oil springs, or with held motors.
+    mechanics alone on oil springs, or with locked motors.
     record: file to write (.h5, .mat, .csv, .uff). A run that ends early has everything up to there: see
     finished and message.
 

@@ -196,7 +196,7 @@ ParityLine axial_parity(model::LegType type) {
     case model::LegType::strut:
       return {Held::exact, "struts", "tendons with stiffness and damping"};
     case model::LegType::screw:
-      return {Held::exact, "screws", "linear springs with dampers; the motors are held"};
+      return {Held::exact, "screws", "linear springs with dampers; the motors are locked"};
     case model::LegType::cylinder:
       break;
   }

@@ -135,7 +135,7 @@ std::string state_text(const model::MachineFile& file) {
   if (model::leg_type(file.machine) == model::LegType::strut)
     text += "; the legs are plain struts: results are of the rigid-leg model";
   if (model::leg_type(file.machine) == model::LegType::screw)
-    text += "; the legs are electric cylinders: mechanics with held motors";
+    text += "; the legs are electric cylinders: mechanics with locked motors";
   return text;
 }
 

@@ -19,8 +19,7 @@ Json shortened(double value, int digits) {
   return std::strtod(fmt::format("{:.{}g}", value, digits).c_str(), nullptr);
 }
 
-Json short_list(const std::vector<double>& values) {
-  constexpr int digits = 5;
+Json short_list(const std::vector<double>& values, int digits = 5) {
   Json list = Json::array();
   for (const double value : values) list.push_back(shortened(value, digits));
   return list;
@@ -75,6 +74,7 @@ Json shown_response(const ComparedThing::Response& response, double highest) {
 
 std::string verdict_text(const SideBySide& all, const ThingComparison& c) {
   std::size_t frequencies = 0, dampings = 0;
+  bool tested = false;
   const ThingComparison::Pair* most = nullptr;
   const auto relative = [&](const auto& pair) {
     return pair.frequency.value /
@@ -84,16 +84,22 @@ std::string verdict_text(const SideBySide& all, const ThingComparison& c) {
   for (const auto& pair : c.pairs) {
     frequencies += pair.frequency.verdict == Verdict::significant ? 1 : 0;
     dampings += pair.damping.verdict == Verdict::significant ? 1 : 0;
+    for (const auto verdict : {pair.frequency.verdict, pair.damping.verdict})
+      tested |= verdict == Verdict::significant || verdict == Verdict::not_significant;
     if (most == nullptr || std::abs(relative(pair)) > std::abs(relative(*most))) most = &pair;
   }
   const char b = static_cast<char>('A' + c.thing % 26);
   if (most == nullptr) return fmt::format("{} − A: no mode has a partner.", b);
   const double change = 100.0 * relative(*most);
+  const std::string differ =
+      tested ? fmt::format("{} frequencies and {} damping ratios differ significantly", frequencies,
+                           dampings)
+             : "no difference was tested, because no measurement uncertainty is known";
   return fmt::format(
-      "{} − A: {} of {} modes of A have a partner; {} frequencies and {} damping ratios differ "
-      "significantly; largest change of a frequency {}{:.2f} % (mode {}).",
-      b, c.pairs.size(), all.things.front().modes.size(), frequencies, dampings,
-      change < 0.0 ? "−" : "+", std::abs(change), most->first + 1);
+      "{} − A: {} of {} modes of A have a partner; {}; largest change of a frequency {}{:.2f} % "
+      "(mode {}).",
+      b, c.pairs.size(), all.things.front().modes.size(), differ, change < 0.0 ? "−" : "+",
+      std::abs(change), most->first + 1);
 }
 
 Json comparison_section(const SideBySide& result) {
@@ -121,7 +127,7 @@ Json response_overlays_json(const std::vector<diagnosis::ResponseOverlay>& overl
                     {"entry", observation::name(overlay.entry)},
                     {"direct", overlay.direct},
                     {"scaled", overlay.scaled},
-                    {"frequency_hz", short_list(hertz)},
+                    {"frequency_hz", short_list(hertz, 9)},  // resonances are narrow
                     {"hypotheses", hypotheses},
                     {"curves", std::move(curves)}});
   }

@@ -108,31 +108,6 @@ double prominence(const std::vector<double>& magnitude, size_t peak) {
   return 20.0 * std::log10(height / base);
 }
 
-/// The mode behind a peak of H_dd at `omega`.
-int mode_behind(const ResponseModel& model, double omega, int direction) {
-  const ModelMatrix& Phi = model.modes.shapes;
-  int leader = -1, nearest = 0;
-  double largest = 0.0, least_distance = std::numeric_limits<double>::infinity();
-  for (int k = 0; k < model.modes.size(); ++k) {
-    const auto phi = Phi.col(k);
-    const double gamma = modal_damping(model, k);
-    const double distance = std::abs(peak_frequency(model, k) - omega);
-    if (distance < least_distance) {
-      least_distance = distance;
-      nearest = k;
-    }
-    if (distance > 3.0 * gamma + 0.01 * omega) continue;
-    const double term =
-        phi[direction] * phi[direction] /
-        std::hypot(relaxed_omega2(model, k) - omega * omega, gamma * omega + 1e-300);
-    if (term > largest) {
-      largest = term;
-      leader = k;
-    }
-  }
-  return leader >= 0 ? leader : nearest;
-}
-
 /// Without damping a direction has an unbounded peak at every mode that takes part in it; those
 /// that hold less than 1e-4 of its static compliance are not felt in it.
 std::vector<Peak> undamped_peaks(const ResponseModel& model, const PeakOptions& options) {
@@ -155,6 +130,40 @@ std::vector<Peak> undamped_peaks(const ResponseModel& model, const PeakOptions& 
 
 }  // namespace
 
+int mode_behind(const ResponseModel& model, double omega, int output, int input) {
+  const ModelMatrix& Phi = model.modes.shapes;
+  int leader = -1, nearest = 0;
+  double largest = 0.0, least_distance = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < model.modes.size(); ++k) {
+    const auto phi = Phi.col(k);
+    const double gamma = modal_damping(model, k);
+    const double distance = std::abs(peak_frequency(model, k) - omega);
+    if (distance < least_distance) {
+      least_distance = distance;
+      nearest = k;
+    }
+    if (distance > 3.0 * gamma + 0.01 * omega) continue;
+    const double term =
+        std::abs(phi[output] * phi[input]) /
+        std::hypot(relaxed_omega2(model, k) - omega * omega, gamma * omega + 1e-300);
+    if (term > largest) {
+      largest = term;
+      leader = k;
+    }
+  }
+  return leader >= 0 ? leader : nearest;
+}
+
+std::vector<LinePeak> line_peaks(const std::vector<double>& magnitude, double min_prominence_db) {
+  std::vector<LinePeak> peaks;
+  for (size_t i = 1; i + 1 < magnitude.size(); ++i) {
+    if (!(magnitude[i] > magnitude[i - 1] && magnitude[i] >= magnitude[i + 1])) continue;
+    const double height = prominence(magnitude, i);
+    if (height >= min_prominence_db) peaks.push_back({i, height});
+  }
+  return peaks;
+}
+
 std::vector<Peak> find_peaks(const ResponseModel& model, const PeakOptions& options) {
   if (!(options.from > 0.0) || !(options.to > options.from))
     throw std::invalid_argument("find_peaks: needs 0 < from < to");
@@ -166,12 +175,9 @@ std::vector<Peak> find_peaks(const ResponseModel& model, const PeakOptions& opti
   std::vector<double> magnitude(grid.size());
   for (int d = 0; d < directions; ++d) {
     for (size_t i = 0; i < grid.size(); ++i) magnitude[i] = std::abs(H[i](d, d));
-    for (size_t i = 1; i + 1 < grid.size(); ++i) {
-      if (!(magnitude[i] > magnitude[i - 1] && magnitude[i] >= magnitude[i + 1])) continue;
-      const double height = prominence(magnitude, i);
-      if (height < options.min_prominence_db) continue;
+    for (const auto& [i, height] : line_peaks(magnitude, options.min_prominence_db)) {
       const double omega = refine(model, grid[i - 1], grid[i + 1], d, options.output);
-      const int mode = mode_behind(model, omega, d);
+      const int mode = mode_behind(model, omega, d, d);
       peaks.push_back({d, omega, magnitude_at(model, omega, d, options.output), height, mode,
                        model.mode_direction[mode] == d});
     }

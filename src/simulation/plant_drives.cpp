@@ -18,8 +18,8 @@ constexpr double speed_integral_ratio = 4.0;
 
 [[noreturn]] void refuse_without(const char* key, const char* what) {
   base::refuse(key, fmt::format("is missing, and a drive is simulated up to the {} of its motor; "
-                                "expected this key, or what is of held motors (--actuators "
-                                "springs) or of free ones (modes --open-loop)",
+                                "expected this key, or locked motors (--actuators springs) or "
+                                "free motors (modes --open-loop)",
                                 what));
 }
 

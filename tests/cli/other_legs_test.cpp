@@ -125,7 +125,7 @@ TEST_F(OtherLegs, CapabilityOfScrewsHasAPictureThatOfStrutsHasNone) {
 TEST_F(OtherLegs, ModesOfScrewsAreOfHeldOrOfFreeMotors) {
   const auto held = run({"modes", "screws.toml"});
   EXPECT_EQ(held.exit_code, 0) << held.err;
-  EXPECT_THAT(held.out, HasSubstr("the legs are electric cylinders: mechanics with held motors"));
+  EXPECT_THAT(held.out, HasSubstr("the legs are electric cylinders: mechanics with locked motors"));
   EXPECT_THAT(held.out, HasSubstr("screws of"));
   const auto free = run({"modes", "screws.toml", "--open-loop"});
   EXPECT_EQ(free.exit_code, 0) << free.err;
@@ -162,7 +162,7 @@ TEST_F(OtherLegs, ScrewsAreSimulatedWithTheirDrives) {
   const auto controller = run({"simulate", "screws.toml", "--show-controller"});
   EXPECT_EQ(controller.exit_code, 0) << controller.err;
   EXPECT_THAT(controller.out, HasSubstr("0.05 of "));
-  EXPECT_THAT(controller.out, HasSubstr("the lowest mode of the platform with held motors"));
+  EXPECT_THAT(controller.out, HasSubstr("the lowest mode of the platform with locked motors"));
   EXPECT_THAT(controller.out, HasSubstr("speed loop of leg 1"));
   EXPECT_EQ(run({"bode", "screws.toml", "--input", "command"}).exit_code, 0);
 }
@@ -219,8 +219,8 @@ TEST_F(OtherLegs, DrivesNeedLimits) {
                    std::regex_replace(test::screw_file, std::regex("torque_limit[^\n]*\n"), ""));
   constexpr auto missing =
       "legs.screw.torque_limit: error: is missing, and a drive is simulated up to the largest "
-      "torque of its motor; expected this key, or what is of held motors (--actuators springs) or "
-      "of free ones (modes --open-loop)\n";
+      "torque of its motor; expected this key, or locked motors (--actuators springs) or free motors "
+      "(modes --open-loop)\n";
   for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
            {"simulate", "endless.toml", "--command", "step z=2 mm"},
            {"rig", "endless.toml", "--check"},

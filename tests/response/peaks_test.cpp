@@ -122,6 +122,46 @@ TEST(Peaks, OfCoupledDirectionsBelongToTheModeOfTheOther) {
   EXPECT_NEAR(x[1].prominence_db, 20.0 * std::log10(top / valley), sampled_valley);
 }
 
+/// A weak resonance between two strong ones: their terms of the modal sum are larger there, and the
+/// peak is that of the weak one.
+TEST(Peaks, OfAResponseBetweenTwoDirectionsBelongToTheModeAtTheirFrequency) {
+  constexpr double zeta = 0.005, weak = 37.0;
+  LinearModel linear{.kind = ModelKind::rigid, .p_BC = spatial::Vector3::Zero()};
+  linear.platform_mass.setIdentity();
+  linear.M.setIdentity(6, 6);
+  linear.K.setZero(6, 6);
+  linear.C.setZero(6, 6);
+  for (int d = 0; d < 6; ++d) linear.K(d, d) = 100.0 * (1.0 + d) * (1.0 + d);
+  linear.K(0, 4) = linear.K(4, 0) = 300.0;
+  for (const int d : {0, 4}) linear.K(d, 2) = linear.K(2, d) = weak;
+  const auto model = response::response_model(linear, modal::normal_modes(linear), zeta,
+                                              spatial::Vector3::Zero());
+  constexpr int own = 2;
+  const double omega = model.modes.omega(own);
+  ASSERT_NEAR(omega, 30.0, 0.1);
+  const auto term = [&](int k) {
+    const auto phi = model.modes.shapes.col(k);
+    const double omega_k = model.modes.omega(k);
+    return std::abs(phi[0] * phi[4]) / std::abs(std::complex(omega_k * omega_k - omega * omega,
+                                                             2.0 * zeta * omega_k * omega));
+  };
+  ASSERT_LT(term(own), term(0)) << "the largest term is that of another mode";
+  EXPECT_EQ(response::mode_behind(model, omega, 0, 4), own);
+  EXPECT_EQ(response::mode_behind(model, omega, 4, 0), own);
+  EXPECT_EQ(response::mode_behind(model, model.modes.omega(0), 0, 4), 0);
+  EXPECT_EQ(response::mode_behind(model, model.modes.omega(4), 0, 4), 4);
+}
+
+TEST(Peaks, OfLinesAreThoseThatStandOutEnough) {
+  const auto found = response::line_peaks({1.0, 4.0, 2.0, 3.0, 1.0, 8.0, 7.9, 8.1, 0.5}, 3.0);
+  ASSERT_EQ(found.size(), 3U);
+  EXPECT_EQ(found[0].line, 1U);
+  EXPECT_EQ(found[1].line, 3U);
+  EXPECT_EQ(found[2].line, 7U);
+  EXPECT_NEAR(found[1].prominence_db, 20.0 * std::log10(1.5), 1e-12);
+  EXPECT_TRUE(std::isinf(found[2].prominence_db));
+}
+
 /// Between two higher peaks: above the higher one of the valleys on either side, wherever that is.
 TEST(Peaks, AreJudgedByTheHigherOfTheValleysBesideThem) {
   constexpr double zeta = 0.01;

@@ -362,7 +362,7 @@ TEST(Drives, NeedTheLimitsOfTheirMotors) {
   EXPECT_THAT(refusal(machine), HasSubstr("legs.screw.speed_limit: error: is missing"));
   machine.legs[3].screw->torque_limit.reset();
   EXPECT_THAT(refusal(machine), HasSubstr("legs.screw.torque_limit: error: is missing"));
-  // mechanics with held motors need none
+  // mechanics with locked motors need none
   EXPECT_NO_THROW(Plant(machine, ModelKind::rigid, {.hydraulics = false}));
   auto weak = symmetric_screws(9.81);
   for (auto& leg : weak.legs) leg.screw->torque_limit = 3.1;

@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import { test } from 'node:test';
-import { findings, json, model, report, still, withPage } from './support.mjs';
+import { findings, json, model, published, report, still, withPage } from './support.mjs';
 
 const heavy = model('heavy-platform.toml');
 
@@ -13,6 +13,23 @@ const legs = (page) =>
     const [titles, ...rows] = [...table.rows].map(text);
     return rows.map((cells) => Object.fromEntries(titles.map((title, k) => [title, cells[k]])));
   });
+
+test('each kind of limit has a colour of its own', async () => {
+  await withPage(report(published), still, async (page) => {
+    const fills = await page.evaluate(() =>
+      ['oil', 'column', 'valve', 'pump', 'stroke', 'joint', 'motor', 'other'].map((family) => {
+        const svg = document.createElementNS('http://www.w3.org/2000/svg', 'svg');
+        const bar = document.createElementNS('http://www.w3.org/2000/svg', 'rect');
+        bar.setAttribute('class', `limit-${family}`);
+        svg.append(bar);
+        document.body.append(svg);
+        return getComputedStyle(bar).fill;
+      }),
+    );
+    assert.ok(!fills.includes('rgb(0, 0, 0)'), fills.join('; '));
+    assert.equal(new Set(fills).size, fills.length);
+  });
+});
 
 test('legs, verdict and limits are those of the command, at each pose', async () => {
   const poses = ['z=-260 mm', 'x=30 mm, z=-310 mm, rz=2 deg'];

@@ -24,6 +24,14 @@ const measurements = compared(
   responses('after.json', rigid('--set', 'legs.oil_spring.stiffness=3.4e6 N/m'), noise),
 );
 
+/** "5.024 ± 0.012": value and interval end at the same decimal place, and the value is right to its last digit. */
+function nearShown(text, expected, what) {
+  const [value, half] = text.replaceAll('−', '-').split(' ± ');
+  const decimals = (number) => number.split('.')[1]?.length ?? 0;
+  if (half !== undefined) assert.equal(decimals(value), decimals(half), `${what}: ${text}`);
+  near(Number(value), expected, 0.51 * 10 ** -decimals(value), what);
+}
+
 const rowsOf = (page) =>
   page.locator('#comparison .side-by-side tbody tr').evaluateAll((rows) =>
     rows.map((row) => {
@@ -50,11 +58,11 @@ test('matched modes, MAC, differences with uncertainty and significance are thos
         const mode = a[pair.first - 1];
         assert.equal(cells[0], String(pair.first));
         assert.equal(cells[1], String(pair.second));
-        near(Number.parseFloat(cells[2]), mode.frequency_hz, 6e-4, 'A, Hz');
-        near(Number.parseFloat(cells[3]), b[pair.second - 1].frequency_hz, 6e-4, 'B, Hz');
+        nearShown(cells[2], mode.frequency_hz, 'A, Hz');
+        nearShown(cells[3], b[pair.second - 1].frequency_hz, 'B, Hz');
         near(Number(cells[4]), pair.mac, 6e-3, 'MAC');
         const percent = (100 * pair.omega_rad_s.difference) / mode.omega_rad_s;
-        near(Number.parseFloat(cells[5].replace('−', '-')), percent, 6e-3, 'difference');
+        nearShown(cells[5], percent, 'difference');
         const { deviation, verdict } = pair.omega_rad_s;
         if (deviation === null) assert.ok(!cells[5].includes('±'));
         else {
@@ -76,6 +84,22 @@ test('the verdict is the last line of hydrapod compare', async () => {
   const words = hydrapod('compare', published, '--set', 'legs.oil_spring.stiffness=3.4e6 N/m').trim().split('\n').at(-1);
   await withKeptPage(machines.page(), still, async (page) => {
     assert.equal(await page.locator('#comparison .findings li').textContent(), words);
+  });
+});
+
+test('of calculated values no difference was tested, and both say so', async () => {
+  const equal = compared('equal', published, '--set', 'legs.oil_spring.damping=1 N s/m');
+  for (const { page: make } of [machines, equal])
+    await withKeptPage(make(), still, async (page) => {
+      assert.match(await page.locator('#comparison .findings li').textContent(), /no difference was tested, because no measurement uncertainty is known/);
+      assert.match(await page.locator('#comparison').textContent(), /No difference was tested for significance\./);
+    });
+  await withKeptPage(equal.page(), still, async (page) => {
+    const head = await page.locator('#comparison .side-by-side .lane-head').first().textContent();
+    assert.equal(head, 'no difference', 'the frequencies are equal');
+  });
+  await withKeptPage(measurements.page(), still, async (page) => {
+    assert.doesNotMatch(await page.locator('#comparison').textContent(), /was tested/);
   });
 });
 

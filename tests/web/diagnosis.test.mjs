@@ -1,6 +1,6 @@
 // The diagnosis: numbers against the command line's JSON, the mode of the identified cause in motion, the stiffness.
 import assert from 'node:assert/strict';
-import { writeFileSync } from 'node:fs';
+import { readFileSync, writeFileSync } from 'node:fs';
 import { test } from 'node:test';
 import {
   findings,
@@ -121,6 +121,23 @@ test('the page opens in the mode of the identified cause, and a measured mode ca
   });
 });
 
+test('the axial part of the legs has the name of its kind', async () => {
+  const text = readFileSync(page_, 'utf8').replaceAll('"strain_energy":{', '"strain_energy":{"axial":"screws",');
+  const file = temporary('screws.html');
+  writeFileSync(file, text);
+  await withPage(file, still, async (page) => {
+    const bars = await page.locator('#diagnosis .diagnosed .bar').evaluateAll((all) => all.map((bar) => bar.title));
+    const modes = await page.evaluate(() => window.hydrapod.report.diagnosis.measured_modes);
+    assert.equal(bars.length, modes.length);
+    bars.forEach((words, k) => {
+      const { oil, axial, ...others } = modes[k].strain_energy;
+      near(oil + Object.values(others).reduce((a, b) => a + b, 0), 1, 1e-9, 'all shares');
+      assert.equal(words.includes('screws'), oil >= 0.005, words);
+      assert.ok(!words.includes('oil'), words);
+    });
+  });
+});
+
 /** What the table of predictions shows, and where the marks of its lanes stand [%]. */
 const predictions = (page) =>
   page.locator('#diagnosis .predictions tbody tr').evaluateAll((rows) =>
@@ -182,6 +199,11 @@ test('measured responses have the prediction of every hypothesis over them', asy
     assert.ok(found.hypotheses[cause].equally_good);
     await page.evaluate(() => window.hydrapod.diagnosis.choose(0, 2));
     assert.equal(await page.locator('#diagnosis .prediction .uplot').count(), 1);
+    assert.match(await page.locator('.prediction-title').textContent(), /: motion in z$/);
+    await page.emulateMedia({ media: 'print' });
+    const style = await page.locator('#diagnosis .prediction .uplot').evaluate((plot) => getComputedStyle(plot).breakInside);
+    assert.equal(style, 'avoid', 'no diagram is cut by the end of a page');
+    await page.emulateMedia({ media: 'screen' });
     const drawn = (number) =>
       page.evaluate((k) => {
         window.hydrapod.diagnosis.show(k);
@@ -211,8 +233,7 @@ test('the prediction of the best hypothesis is what the core of the page compute
       overlay.curves[d].predicted[at].forEach((value, k) => {
         const place = 72 * k + 14 * d; // (d, d) of the line: re, im
         const size = Math.hypot(numbers[place], numbers[place + 1]);
-        // frequencies in the document have five digits, which matters at resonances
-        near(value, size, 0.05 * size, `${overlay.curves[d].direction} at ${overlay.frequency_hz[k]} Hz`);
+        near(value, size, 2e-4 * size, `${overlay.curves[d].direction} at ${overlay.frequency_hz[k]} Hz`);
       });
   });
 });

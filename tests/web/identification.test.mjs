@@ -7,6 +7,7 @@ import {
   correlated,
   findings,
   hannTaper,
+  hydrapod,
   json,
   near,
   overflow,
@@ -14,6 +15,7 @@ import {
   report,
   responses,
   still,
+  temporary,
   withKeptPage,
   withPage,
 } from './support.mjs';
@@ -75,10 +77,10 @@ test('the marks of the chart stand where the JSON has the poles', async () => {
 });
 
 /** H of the modes that the program found, from its JSON. */
-function synthesised(o, i, f) {
+function synthesised(o, i, f, of = found) {
   const omega = 2 * Math.PI * f;
   let [re, im] = [0, 0];
-  for (const mode of [...found.modes, ...found.heavily_damped]) {
+  for (const mode of [...of.modes, ...of.heavily_damped]) {
     const a = mode.shape.re[o] * mode.participation.re[i] - mode.shape.im[o] * mode.participation.im[i];
     const b = mode.shape.re[o] * mode.participation.im[i] + mode.shape.im[o] * mode.participation.re[i];
     for (const sign of [1, -1]) {
@@ -88,9 +90,15 @@ function synthesised(o, i, f) {
       im += (sign * b * p - a * q) / square;
     }
   }
-  const w = omega / found.residuals.omega_scale_rad_s;
-  const c = found.residuals.terms.map((C) => C[o][i]);
-  return { re: re - c[0] / w ** 2 + c[2], im: im - c[1] / w + c[3] * w };
+  const w = omega / of.residuals.omega_scale_rad_s;
+  of.residuals.terms.forEach((C, n) => {
+    // (iw)^(n − 2)
+    const size = C[o][i] * w ** (n - 2);
+    const turn = (((n - 2) % 4) + 4) % 4;
+    if (turn % 2 === 0) re += turn === 0 ? size : -size;
+    else im += turn === 1 ? size : -size;
+  });
+  return { re, im };
 }
 
 /** The page has numbers of the measured responses to seven digits, and poles to all. */
@@ -242,7 +250,7 @@ test('a browser without WebAssembly shows why there is no fit, and all that the 
     };
   };
   await withPage(page_of(), { ...still, launch }, async (page) => {
-    assert.match(await page.locator('#identification').textContent(), /cannot run the core/);
+    assert.match(await page.locator('#identification').textContent(), /The page could not calculate: /);
     assert.ok((await page.evaluate(() => window.hydrapod.identification.marks().length)) > 100);
     const motions = await page.$$eval('#identification .identified tbody tr', (rows) =>
       rows.map((row) => row.querySelectorAll('td')[4].textContent),
@@ -253,10 +261,10 @@ test('a browser without WebAssembly shows why there is no fit, and all that the 
     );
     await page.locator('#identification [data-pole="1"]').uncheck();
     await settled(page);
-    assert.match(await page.locator('#identification').textContent(), /cannot run the core/);
+    assert.match(await page.locator('#identification').textContent(), /The page could not calculate: /);
     await pressByHand(page, 'hand-show');
     await settled(page);
-    assert.match(await page.locator('.moving-shape .caption').textContent(), /cannot run the core/);
+    assert.match(await page.locator('.moving-shape .caption').textContent(), /The page could not calculate: /);
     await page.locator('#identification [data-shape="0"]').click();
     assert.match(await page.locator('.moving-shape .caption').textContent(), /^Mode 1:/);
   });
@@ -394,6 +402,28 @@ test('the table and the keyboard show shapes; a pole of no mode has that of the 
   });
 });
 
+test('the shape that is shown is that of the last fit', async () => {
+  await withKeptPage(page_of(), still, async (page) => {
+    const pair = found.comparison.pairs[0];
+    const own = found.modes[pair.mode - 1];
+    await page.locator(`#identification [data-shape="${pair.mode - 1}"]`).click();
+    const identified = await drawnMotion(page, 'measured');
+    near(likeness(identified.motion, jointMotion(own.displacement_shape, identified.geometry)), 1, 1e-6, 'as identified');
+    for (const [k] of found.modes.entries()) if (k !== pair.mode - 1) await page.locator(`#identification [data-pole="${k}"]`).uncheck();
+    await settled(page);
+    assert.match(await page.locator('.moving-shape .caption').textContent(), /^Mode \d+: damping ratio .* that of the fit/);
+    const [shape] = await page.evaluate(() => window.hydrapod.identification.shapes());
+    const fitted = { re: shape.map((v) => v.re), im: shape.map((v) => v.im) };
+    const shown = await drawnMotion(page, 'measured');
+    near(likeness(shown.motion, jointMotion(fitted, shown.geometry)), 1, 1e-9, 'of the fit');
+    assert.ok(likeness(shown.motion, identified.motion) < 1 - 1e-6, 'which is another one');
+    await page.click('[data-control="as-found"]');
+    await settled(page);
+    const again = await drawnMotion(page, 'measured');
+    near(likeness(again.motion, identified.motion), 1, 1e-9, 'after Reset that of the identification');
+  });
+});
+
 test('outputs without directions of the platform have no picture, and a note', async () => {
   const file = measurement('sensors.json', {}, {});
   const text = JSON.parse(readFileSync(file, 'utf8'));
@@ -403,6 +433,11 @@ test('outputs without directions of the platform have no picture, and a note', a
     await page.locator('#identification [data-shape="0"]').click();
     assert.match(await page.locator('.moving-shape .caption').textContent(), /not directions of the platform/);
     assert.ok(await page.locator('.moving-shape .stage').isHidden());
+    const button = page.locator('[data-control="selected-switch"]');
+    assert.ok(await button.isVisible(), 'the pole can be switched all the same');
+    await button.click();
+    assert.equal(await button.textContent(), 'Switch on');
+    await settled(page);
   });
 });
 
@@ -430,6 +465,33 @@ test('the button below the shape switches its mode; a pole can be added by hand,
   });
 });
 
+test('Reset takes out the poles that were added, and Switch off afterwards leaves the identified ones in the list', async () => {
+  await withKeptPage(page_of(), still, async (page) => {
+    const chosen = () => page.evaluate(() => window.hydrapod.identification.chosen());
+    const identified = await chosen();
+    const rows = page.locator('#identification .identified tbody tr');
+    const button = page.locator('[data-control="selected-switch"]');
+    await pressByHand(page, 'hand-switch');
+    assert.equal(await rows.count(), identified.length + 1);
+    await rows.last().locator('[data-shape]').click(); // the added pole is the one whose shape is shown
+    await page.click('[data-control="as-found"]');
+    assert.deepEqual(await chosen(), identified);
+    assert.equal(await button.textContent(), 'Add to the fit');
+    await button.click();
+    assert.equal((await chosen()).length, identified.length + 1);
+    assert.equal(await button.textContent(), 'Switch off');
+    await button.click();
+    assert.deepEqual(await chosen(), identified, 'no identified pole was taken out');
+    assert.equal(await rows.count(), identified.length);
+    await page.locator('#identification [data-shape="0"]').click();
+    await button.click();
+    assert.equal((await chosen()).length, identified.length - 1);
+    await page.click('[data-control="as-found"]');
+    assert.deepEqual(await chosen(), identified, 'a mode that was switched off is on again');
+    await settled(page);
+  });
+});
+
 test('tables: modes with their intervals, MAC, comparison', async () => {
   await withKeptPage(page_of(), still, async (page) => {
     const rows = await page.$$eval('#identification .identified tbody tr', (all) =>
@@ -440,9 +502,13 @@ test('tables: modes with their intervals, MAC, comparison', async () => {
     );
     found.modes.forEach((mode, r) => {
       assert.equal(rows[r][4], motions[r]);
-      near(Number(rows[r][0]), mode.frequency_hz, 6e-4, 'Hz');
+      const decimals = rows[r][1].split('.')[1].length;
+      assert.equal(rows[r][0].split('.')[1].length, decimals, `${rows[r][0]} and ${rows[r][1]} end at the same place`);
+      near(Number(rows[r][0]), mode.frequency_hz, 0.51 * 10 ** -decimals, 'Hz');
       near(Number(rows[r][1]), mode.frequency_95_hz, 0.051 * mode.frequency_95_hz, '± Hz');
-      near(Number.parseFloat(rows[r][2]), 100 * mode.damping_ratio, 6e-3, 'damping');
+      const digits = /\.(\d+) %/.exec(rows[r][3])[1].length;
+      assert.equal(/\.(\d+) %/.exec(rows[r][2])[1].length, digits, `${rows[r][2]} and ${rows[r][3]}`);
+      near(Number.parseFloat(rows[r][2]), 100 * mode.damping_ratio, 0.51 * 10 ** -digits, 'damping');
     });
     const compared = await page.$$eval('#identification .compared tbody tr', (all) =>
       all.map((row) => [...row.querySelectorAll('th, td')].map((cell) => cell.textContent)),
@@ -480,6 +546,31 @@ for (const theme of ['light', 'dark'])
         assert.ok((await overflow(page)) <= 0, 'nothing overflows');
       });
   });
+
+test('a short record, identified as a whole: the fit of the program, and why the page makes no other', async () => {
+  const record = temporary('short.h5');
+  hydrapod('rig', published, '--entry', 'wrench', '--excite', 'noise all=200, to=60', '--duration', '10 s', '-o', record);
+  const whole = json('identify', record, '--machine', published);
+  assert.ok(whole.findings.some(({ kind }) => kind === 'short_record'), 'identified as a whole');
+  assert.ok(whole.modes.length > 0);
+  await withPage(report(published, '--measured', record), still, async (page) => {
+    await settled(page);
+    const text = await page.locator('#identification').textContent();
+    assert.match(text, /Poles cannot be switched: the modes were fitted to the spectra of the whole record/);
+    for (const control of ['[data-pole]', '[data-control="as-found"]', '[data-control="hand-switch"]', '[data-control="selected-switch"]'])
+      assert.equal(await page.locator(`#identification ${control}`).count(), 0, control);
+    near(await error(page), whole.fit_error, 1e-12, 'error');
+    const { frequency_hz } = await page.evaluate(() => window.hydrapod.report.identification.responses);
+    for (const [o, i] of [[0, 0], [2, 2], [0, 4]]) {
+      const drawn = await page.evaluate(([out, inp]) => window.hydrapod.identification.fitted(out, inp), [o, i]);
+      const expected = frequency_hz.map((f) => synthesised(o, i, f, whole));
+      const largest = Math.max(...expected.map((h) => Math.hypot(h.re, h.im)));
+      expected.forEach((h, k) => near(Math.hypot(drawn[k].re - h.re, drawn[k].im - h.im), 0, 1e-9 * largest, `(${o}, ${i}) at ${frequency_hz[k]} Hz`));
+    }
+    await page.locator('#identification [data-shape="0"]').click();
+    assert.match(await page.locator('.moving-shape .caption').textContent(), /^Mode 1:/);
+  });
+});
 
 test('no section without a measurement', async () => {
   await withPage(report(published), still, async (page) => {

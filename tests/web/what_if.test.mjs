@@ -248,6 +248,40 @@ test('a slider changes the whole page; undo, redo, reset, address', async () => 
   });
 });
 
+/** The core answers as it does, but `way` happens to what a map asks of it. */
+const failing = (way) => `
+  const { Blob: Original } = window;
+  window.Blob = class extends Original {
+    constructor(parts, options) {
+      const worker = \`
+        let own;
+        Object.defineProperty(self, 'onmessage', { set(f) { own = f; } });
+        addEventListener('message', (event) => {
+          const { id, call } = event.data;
+          if (call !== 'map') return own(event);
+          ${way}
+        });\`;
+      super(options?.type === 'text/javascript' ? [worker, ...parts] : parts, options);
+    }
+  };`;
+
+for (const [name, way] of [
+  ['refuses', "postMessage({ id, ok: false, text: 'refused on purpose', milliseconds: 0 });"],
+  ['breaks', "throw new Error('refused on purpose');"],
+])
+  test(`a core that ${name} is told in one message, and nothing waits for it`, async () => {
+    await withPage(report(published), { ...still, launch: failing(way) }, async (page) => {
+      await page.evaluate(() => window.hydrapod.whatIf.ready);
+      await page.evaluate(() => window.hydrapod.scatter.ready.catch(() => {}));
+      await page.evaluate(() => window.hydrapod.workspace.ready.catch(() => {}));
+      const message = page.locator('.core-failure');
+      await message.waitFor();
+      assert.equal(await message.count(), 1);
+      assert.match(await message.textContent(), /^The page could not calculate: .*refused on purpose\. The results of the program/);
+      page.problems.splice(0, page.problems.length, ...page.problems.filter((text) => !text.includes('refused on purpose')));
+    });
+  });
+
 test('a value is typed with a unit; an unknown one and an impossible one are refused in words', async () => {
   await withKeptPage(report(published), still, async (page) => {
     await page.evaluate(() => window.hydrapod.whatIf.ready);

@@ -1,7 +1,7 @@
 // The map of the workspace and the machine at the pose of its cross: numbers of the command line.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { findings, json, model, near, open, report, rowsOf, sameRow, still, withPage } from './support.mjs';
+import { findings, json, model, near, open, published, report, rowsOf, sameRow, still, withPage } from './support.mjs';
 
 const heavy = model('heavy-platform.toml');
 
@@ -27,6 +27,17 @@ function sameMap({ rows, command }, across, up) {
   }
   return computed;
 }
+
+test('an angle below the last decimal is shown, one of rounding is zero', async () => {
+  await withPage(report(published), still, async (page) => {
+    await page.evaluate(() => window.hydrapod.workspace.ready);
+    const output = page.locator('#workspace .workspace-poses output').nth(4);
+    for (const [degrees, text] of [[0.0012, '0.0012 deg'], [-0.004, '−0.004 deg'], [1e-15, '0.00 deg'], [0.25, '0.25 deg']]) {
+      await page.evaluate((angle) => window.hydrapod.workspace.displace([0, 0, 0, 0, angle, 0]), (degrees * Math.PI) / 180);
+      assert.equal(await output.textContent(), text);
+    }
+  });
+});
 
 test('the map has the numbers of its command, out of reach alike', async () => {
   await withPage(report(heavy), still, async (page) => {

@@ -1,8 +1,8 @@
 #include "curves.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <numbers>
 
 namespace hydrapod::page {
 
@@ -27,50 +27,38 @@ void add_lines_around_modes(const response::ResponseModel& model, std::vector<do
   }
 }
 
-/// Does it fall by 3 dB on both sides of line `k` before it rises above that?
-bool is_peak(const std::vector<double>& size, std::size_t k) {
-  const double low = size[k] / std::numbers::sqrt2;
-  const auto falls = [&](int step) {
-    for (std::size_t i = k + step; i < size.size(); i += step) {  // below 0 it is large
-      if (size[i] > size[k]) return false;
-      if (size[i] < low) return true;
-    }
-    return false;
-  };
-  return size[k] > size[k - 1] && size[k] >= size[k + 1] && falls(-1) && falls(1);
+/// |H_oi| at the lines.
+std::vector<double> sizes(const std::vector<response::Matrix6c>& H, int output, int input) {
+  std::vector<double> size;
+  for (const auto& at : H) size.push_back(std::abs(at(output, input)));
+  return size;
 }
 
-/// The mode with the largest term in the modal sum at `omega`.
-int leading_mode(const response::ResponseModel& model, const dynamics::ModelVector& damping,
-                 int output, int input, double omega) {
-  const auto& [omega2, Phi, group] = model.modes;
-  int leader = 0;
-  double largest = -1.0;
-  for (int k = 0; k < model.modes.size(); ++k) {
-    const double term = std::abs(Phi(output, k) * Phi(input, k)) /
-                        std::hypot(omega2[k] - omega * omega, damping[k] * omega);
-    if (!(term > largest)) continue;
-    leader = k;
-    largest = term;
-  }
-  return leader;
+double largest(const std::vector<double>& size) {
+  return *std::max_element(size.begin(), size.end());
+}
+
+/// Where a direction is not coupled to another one the response between them is rounding.
+bool is_coupled(double most, double output, double input) {
+  constexpr double rounding = 1e-9;
+  return most > rounding * std::sqrt(output * input);
 }
 
 void add_marks(const response::ResponseModel& model, const modal::AnalysedModel& analysed, int legs,
                const std::vector<double>& lines, const std::vector<response::Matrix6c>& H,
                std::vector<double>& numbers) {
-  const auto damping = modal_damping(model);
-  std::vector<double> size(lines.size());
+  std::array<double, 6> direct{};
+  for (int d = 0; d < 6; ++d) direct[d] = largest(sizes(H, d, d));
   for (int output = 0; output < 6; ++output)
     for (int input = 0; input < 6; ++input) {
       if (input == output) continue;  // find_peaks() has those
-      for (std::size_t k = 0; k < size.size(); ++k) size[k] = std::abs(H[k](output, input));
-      for (std::size_t k = 1; k + 1 < size.size(); ++k) {
-        if (!is_peak(size, k)) continue;
-        const auto mode =
-            analysed.tabled_of_normal.at(leading_mode(model, damping, output, input, lines[k]));
+      const auto size = sizes(H, output, input);
+      if (!is_coupled(largest(size), direct[output], direct[input])) continue;
+      for (const auto& peak : response::line_peaks(size, response::PeakOptions{}.min_prominence_db)) {
+        const int behind = response::mode_behind(model, lines[peak.line], output, input);
         numbers.insert(numbers.end(), {double(legs), double(output), double(input),
-                                       static_cast<double>(k), double(mode + 1)});
+                                       static_cast<double>(peak.line),
+                                       double(analysed.tabled_of_normal.at(behind) + 1)});
       }
     }
 }

@@ -1,6 +1,7 @@
 // The report: sections over one JSON document.
 
 import type { Report } from './document';
+import { showCoreFailures } from './core/shared';
 import { html } from './dom';
 import { onSystemTheme } from './palette';
 import { renderSections } from './sections/registry';
@@ -12,6 +13,7 @@ function start(): void {
   const state = new State(report);
   window.hydrapod = { report, state };
   onSystemTheme(() => state.tell('theme'));
+  showCoreFailures(host);
   renderSections(state, host);
 }
 

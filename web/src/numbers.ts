@@ -8,6 +8,17 @@ export const fixed = (value: number, digits: number): string => minus(value.toFi
 export const significant = (value: number, digits: number): string =>
   String(Number(value.toPrecision(digits))).replace('-', '−');
 
+/**
+ * A value and half of its interval to the same decimal place, that of the second significant digit of the half;
+ * `otherwise`: decimals where there is no interval.
+ */
+export function withInterval(value: number, half: number, otherwise: number): [value: string, half: string] {
+  const known = half > 0 && Number.isFinite(half);
+  const leading = known ? Math.floor(Math.log10(Number(half.toPrecision(2)))) : 0;
+  const digits = known ? Math.min(12, Math.max(0, 1 - leading)) : otherwise;
+  return [fixed(value, digits), fixed(half, digits)];
+}
+
 /** Half of a 95 % interval in standard deviations, of a normal distribution. */
 export const halfWidth95 = 1.959963984540054;
 
@@ -29,7 +40,8 @@ export function hertz(frequency: number): string {
 }
 
 const superscripts = '⁰¹²³⁴⁵⁶⁷⁸⁹';
-const raised = (exponent: number): string =>
+/** "⁻⁷" */
+export const raised = (exponent: number): string =>
   (exponent < 0 ? '⁻' : '') +
   [...String(Math.abs(exponent))].map((d) => superscripts[Number(d)]).join('');
 

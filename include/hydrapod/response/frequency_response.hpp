@@ -122,4 +122,17 @@ int count_own(const std::vector<Peak>& peaks, int direction);
 /// Peaks of all six direct responses, by direction and ascending in frequency.
 std::vector<Peak> find_peaks(const ResponseModel& model, const PeakOptions& options);
 
+/// A peak of values at ascending lines.
+struct LinePeak {
+  std::size_t line{};
+  double prominence_db{};  ///< as in Peak
+};
+
+/// Peaks of `magnitude` at least this prominent, ascending.
+std::vector<LinePeak> line_peaks(const std::vector<double>& magnitude, double min_prominence_db);
+
+/// Index of the mode behind a peak at `omega` [rad/s] of the response of `output` to `input`, 0…5:
+/// of the modes near it the one with the largest term of the modal sum, else the nearest one.
+int mode_behind(const ResponseModel& model, double omega, int output, int input);
+
 }  // namespace hydrapod::response

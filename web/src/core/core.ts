@@ -91,16 +91,40 @@ export const map = { columns: 17, status: 0, lowest: 1, direction: 2, drop: 3, f
 /** What the status of a row says, as in study::Status. */
 export const mapStatus = ['computed', 'not allowed', 'out of reach', 'no equilibrium', 'buckled'];
 
+/** What the core could not do; the message is its reason. */
+export class CoreError extends Error {}
+
+interface Waiting {
+  resolve(answer: Answered): void;
+  reject(error: CoreError): void;
+}
+
 export class Core {
-  private asked = new Map<number, (answer: Answered) => void>();
+  private waiting = new Map<number, Waiting>();
   private last = 0;
+  /** Why the worker answers no more. */
+  private broken: CoreError | null = null;
   parameters: Parameter[] = [];
 
   private constructor(private readonly worker: Worker) {
     worker.onmessage = ({ data }: MessageEvent<Answered>) => {
-      this.asked.get(data.id)?.(data);
-      this.asked.delete(data.id);
+      const asked = this.waiting.get(data.id);
+      this.waiting.delete(data.id);
+      if (data.ok) asked?.resolve(data);
+      else asked?.reject(new CoreError(data.text));
     };
+    worker.onerror = (event) => {
+      event.preventDefault();
+      this.stop(event.message || 'its script did not start');
+    };
+    worker.onmessageerror = () => this.stop('an answer could not be read');
+  }
+
+  /** Without its worker nothing is answered any more. */
+  private stop(reason: string): void {
+    this.broken ??= new CoreError(reason);
+    for (const { reject } of this.waiting.values()) reject(this.broken);
+    this.waiting.clear();
   }
 
   /** Starts the worker with `module`, gzip in base 85, and opens the machine. */
@@ -114,9 +138,10 @@ export class Core {
   }
 
   private call(call: Asked['call'], text: string, numbers?: Float64Array): Promise<Answered> {
+    if (this.broken) return Promise.reject(this.broken);
     const id = ++this.last;
     return new Promise((resolve, reject) => {
-      this.asked.set(id, (answer) => (answer.ok ? resolve(answer) : reject(new Error(answer.text))));
+      this.waiting.set(id, { resolve, reject });
       this.worker.postMessage({ id, call, text, ...(numbers ? { numbers } : {}) } satisfies Asked);
     });
   }

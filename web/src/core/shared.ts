@@ -1,24 +1,24 @@
-// The one core of the page, for all sections that calculate.
+// The core of the page: one for all sections that calculate.
 
 import { html } from '../dom';
 import type { State } from '../state';
-import { Core } from './core';
+import { Core, CoreError } from './core';
 
 let started: Promise<Core> | null = null;
 
-/** Starts the core where nobody has, and opens the machine of the report. */
-export function sharedCore(state: State): Promise<Core> {
+/** Starts the core at the first call, with the machine of the report. */
+export async function sharedCore(state: State): Promise<Core> {
   const module = document.getElementById('core')?.textContent ?? '';
-  if (!state.report.editable) throw new Error('this report has no machine to calculate with');
+  if (!state.report.editable) throw new CoreError('the report contains no machine');
   started ??= Core.start(module, state.report.editable);
   return started;
 }
 
 /**
- * What a section calculates begins when it is about to be seen, or when the returned function is called; once.
- * `failed` gets words for the reader.
+ * Calls `begin` once: when `host` comes near the window, or when the returned function is called. `failed` gets the
+ * message for the user.
  */
-export function beginWhenSeen(host: HTMLElement, begin: () => Promise<void>, failed: (words: string) => void): () => Promise<void> {
+export function beginWhenSeen(host: HTMLElement, begin: () => Promise<void>, failed: (message: string) => void): () => Promise<void> {
   let begun: Promise<void> | null = null;
   const ready = (): Promise<void> => {
     if (!begun) {
@@ -30,28 +30,42 @@ export function beginWhenSeen(host: HTMLElement, begin: () => Promise<void>, fai
   const seen = new IntersectionObserver((entries) => {
     if (!entries.some((entry) => entry.isIntersecting)) return;
     seen.disconnect();
-    void ready();
+    ready().catch(() => {}); // `failed` has it
   }, { rootMargin: '200px' });
   seen.observe(host);
   return ready;
 }
 
-export const failureText = (words: string): HTMLElement => html('p', { class: 'problem', role: 'alert' }, words);
+export const failureText = (message: string): HTMLElement => html('p', { class: 'problem', role: 'alert' }, message);
 
-/** Maps and samples wait so long after the last value that was dragged [ms]: a slider goes first. */
+/** Time from the last change of a slider to the calculation of maps and samples [ms]. */
 const rest = 100;
 let touched = Number.NEGATIVE_INFINITY;
 
-/** Somebody drags something. */
+/** Notes that a slider was changed. */
 export const touch = (): void => {
   touched = performance.now();
 };
 
-/** Resolves when nobody has dragged anything for a while. */
+/** Resolves when no slider was changed for the time `rest`. */
 export async function idle(): Promise<void> {
   for (let left; (left = touched + rest - performance.now()) > 0; )
     await new Promise((resolve) => setTimeout(resolve, left));
 }
 
+const reasonOf = (error: unknown): string => (error instanceof Error ? error.message : String(error));
+
 export const coreFailure = (error: unknown): string =>
-  `This browser cannot run the core: ${error}. Everything else on this page is as the program computed it.`;
+  `The page could not calculate: ${reasonOf(error)}. The results of the program are still shown.`;
+
+/** Failures of the core that no section shows: one message at the top of the page, that of the first. */
+export function showCoreFailures(page: HTMLElement): void {
+  addEventListener('unhandledrejection', (event) => {
+    if (!(event.reason instanceof CoreError)) return;
+    event.preventDefault();
+    if (page.querySelector('.core-failure')) return;
+    const text = failureText(coreFailure(event.reason));
+    text.classList.add('core-failure');
+    page.prepend(text);
+  });
+}

@@ -71,7 +71,9 @@ export class Prediction {
 
   draw(): void {
     const { name } = this.hypotheses[this.hypothesis];
-    this.title.replaceChildren('Prediction of ', html('strong', {}, name), ', compared with the measurement');
+    const curve = this.overlays[this.overlay]?.curves[this.curve];
+    const motion = curve ? `: motion in ${curve.direction}` : '';
+    this.title.replaceChildren('Prediction of ', html('strong', {}, name), `, compared with the measurement${motion}`);
     this.directions.forEach((b, k) => b.setAttribute('aria-pressed', String(k === this.curve)));
     this.drawResponse();
     this.drawModes();

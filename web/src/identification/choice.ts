@@ -14,6 +14,7 @@ export interface ChosenPole extends Pole {
 
 export class Choice {
   readonly poles: ChosenPole[];
+  /** Poles that the reader has added, also those that are switched off again. */
   private readonly added = new Map<ChartPole, ChosenPole>();
   onChange: () => void = () => {};
 
@@ -45,7 +46,8 @@ export class Choice {
     if (cluster?.mode) return this.poles.find((p) => p.kind === 'mode' && p.number === cluster.mode);
     if (cluster?.heavily_damped)
       return this.poles.find((p) => p.kind === 'heavy' && p.number === cluster.heavily_damped);
-    return this.added.get(mark);
+    const added = this.added.get(mark);
+    return added?.on ? added : undefined;
   }
 
   /** Is it on, by itself or through its mode? */
@@ -53,40 +55,42 @@ export class Choice {
     return this.of(mark)?.on ?? false;
   }
 
+  /** A pole that the reader has added is in the list only while it is on. */
   set(pole: ChosenPole, on: boolean): void {
     pole.on = on;
-    if (!on && pole.kind === 'hand') this.remove(pole);
+    if (pole.kind === 'hand') {
+      const at = this.poles.indexOf(pole);
+      if (on && at < 0) this.poles.push(pole);
+      if (!on && at >= 0) this.poles.splice(at, 1);
+    }
     this.onChange();
   }
 
   /** A click on a mark: switches its mode, or adds the pole or takes it out again. */
   toggle(mark: ChartPole, order: number): void {
-    const known = this.of(mark);
-    if (known) return this.set(known, !known.on);
+    const known = this.of(mark) ?? this.added.get(mark) ?? this.add(mark, order);
+    this.set(known, !known.on);
+  }
+
+  /** As identified: every pole of the identification is on, and no other. */
+  reset(): void {
+    for (const pole of this.added.values()) pole.on = false;
+    this.poles.splice(0, this.poles.length, ...this.poles.filter((pole) => pole.kind !== 'hand'));
+    for (const pole of this.poles) pole.on = true;
+    this.onChange();
+  }
+
+  private add(mark: ChartPole, order: number): ChosenPole {
     const pole: ChosenPole = {
       kind: 'hand',
       number: order,
-      on: true,
+      on: false,
       pole: mark.pole,
       participation: mark.participation,
       frequency_hz: mark.frequency_hz,
       damping_ratio: mark.damping_ratio,
     };
     this.added.set(mark, pole);
-    this.poles.push(pole);
-    this.onChange();
-  }
-
-  reset(): void {
-    this.added.clear();
-    for (let k = this.poles.length - 1; k >= 0; --k)
-      if (this.poles[k].kind === 'hand') this.poles.splice(k, 1);
-    for (const pole of this.poles) pole.on = true;
-    this.onChange();
-  }
-
-  private remove(pole: ChosenPole): void {
-    this.poles.splice(this.poles.indexOf(pole), 1);
-    for (const [mark, chosen] of this.added) if (chosen === pole) this.added.delete(mark);
+    return pole;
   }
 }

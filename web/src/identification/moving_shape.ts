@@ -35,11 +35,7 @@ export class MovingShape {
   private shown: ShownShape | null = null;
   private readonly calm = matchMedia('(prefers-reduced-motion: reduce)').matches;
 
-  /** `tools`: further buttons of the first row. */
-  constructor(
-    private readonly geometry: Geometry,
-    private readonly tools: HTMLElement[],
-  ) {
+  constructor(private readonly geometry: Geometry) {
     this.element.append(this.stage, this.controls, this.caption);
     // the picture is made when it is about to be seen: that takes time, and the page opens with another one
     const seen = new IntersectionObserver(
@@ -96,7 +92,7 @@ export class MovingShape {
     this.player = player;
     this.stage.append(view.element);
     this.controls.append(
-      html('div', { class: 'row' }, playButton(player, 'shape-play', 'primary'), ...this.tools, cameraButtons(view, () => player.refresh())),
+      html('div', { class: 'row' }, playButton(player, 'shape-play', 'primary'), cameraButtons(view, () => player.refresh())),
       html('div', { class: 'row sliders' }, amplitudeSlider(player, 'shape-amplitude').element),
     );
     this.draw();

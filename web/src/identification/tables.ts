@@ -2,7 +2,7 @@
 
 import type { Complex } from '../complex';
 import { button, html, unseen } from '../dom';
-import { fixed, hertz, significant, signedPercent } from '../numbers';
+import { fixed, hertz, signedPercent, withInterval } from '../numbers';
 import { palette } from '../palette';
 import { numeric, scroller, tableHead } from '../table';
 import type { Choice, ChosenPole } from './choice';
@@ -10,8 +10,6 @@ import type { Fit } from './fitter';
 import type { Comparison, Identification } from './types';
 
 const percent = (ratio: number, digits = 2) => `${fixed(100 * ratio, digits)} %`;
-/** Half of an interval. */
-const interval = (value: number) => significant(value, 2);
 
 /** The outputs that move most, in one unit as they are, else each in proportion to the size of its own
  * responses; of poles that the reader has chosen. */
@@ -47,7 +45,7 @@ function nameOf(pole: ChosenPole): string {
   return pole.kind === 'heavy' ? 'heavily damped' : `by hand, order ${pole.number}`;
 }
 
-/** The table of poles; its boxes switch them. */
+/** The table of poles; with `switches` its boxes switch them. */
 export class PoleTable {
   /** The shape of a pole is wanted. */
   onShow: (pole: ChosenPole) => void = () => {};
@@ -59,11 +57,13 @@ export class PoleTable {
   constructor(
     private readonly data: Identification,
     private readonly choice: Choice,
+    private readonly switches: boolean,
   ) {
+    const caption = switches ? 'Identified modes; the boxes switch poles on and off' : 'Identified modes';
     const table = html(
       'table',
       { class: 'modes identified' },
-      html('caption', { class: 'unseen' }, 'Identified modes; the boxes switch poles on and off'),
+      html('caption', { class: 'unseen' }, caption),
       tableHead(
         ['mode'],
         ['Hz', 'numeric'],
@@ -105,10 +105,14 @@ export class PoleTable {
     return shape ? moving(this.data, shape) : '–';
   }
 
-  private row(pole: ChosenPole, index: number): HTMLElement {
+  private name(pole: ChosenPole, index: number): HTMLElement | string {
+    if (!this.switches) return nameOf(pole);
     const box = html('input', { type: 'checkbox', checked: pole.on, 'data-pole': index });
     box.addEventListener('change', () => this.choice.set(pole, box.checked));
-    const name = html('label', { class: 'check' }, box, nameOf(pole));
+    return html('label', { class: 'check' }, box, nameOf(pole));
+  }
+
+  private row(pole: ChosenPole, index: number): HTMLElement {
     const fitted =
       pole.kind === 'mode'
         ? this.data.modes[pole.number - 1]
@@ -116,14 +120,16 @@ export class PoleTable {
           ? this.data.heavily_damped[pole.number - 1]
           : null;
     const mode = pole.kind === 'mode' ? this.data.modes[pole.number - 1] : null;
+    const frequency = fitted && withInterval(pole.frequency_hz, fitted.frequency_95_hz, 3);
+    const damping = fitted && withInterval(100 * pole.damping_ratio, 100 * fitted.damping_95, 2);
     return html(
       'tr',
       { class: pole.on ? null : 'off' },
-      html('th', { scope: 'row' }, name),
-      numeric(hertz(pole.frequency_hz)),
-      numeric(fitted ? interval(fitted.frequency_95_hz) : '–'),
-      numeric(percent(pole.damping_ratio)),
-      numeric(fitted ? `${interval(100 * fitted.damping_95)} %` : '–'),
+      html('th', { scope: 'row' }, this.name(pole, index)),
+      numeric(frequency ? frequency[0] : hertz(pole.frequency_hz)),
+      numeric(frequency ? frequency[1] : '–'),
+      numeric(damping ? `${damping[0]} %` : percent(pole.damping_ratio)),
+      numeric(damping ? `${damping[1]} %` : '–'),
       this.motions[index],
       numeric(mode ? fixed(mode.mpc, 3) : '–'),
       numeric(mode ? `${fixed((180 / Math.PI) * mode.mpd_rad, 1)}°` : '–'),

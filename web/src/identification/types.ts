@@ -95,7 +95,8 @@ export interface Identification {
   heavily_damped: FittedPole[];
   mac: number[][];
   fit_error: number;
-  residuals: { terms: unknown[] };
+  /** C_k, k = −2 …, of (s/scale)^k, by output and input. */
+  residuals: { omega_scale_rad_s: number; terms: number[][][] };
   clusters: { mode: number | null; heavily_damped: number | null }[];
   stabilisation: { order: number; poles: ChartPole[] }[];
   indicator: { frequency_hz: number[]; values: number[][] };
@@ -109,4 +110,5 @@ export interface Identification {
   taper: Taper | null;
   comparison: Comparison | null;
   warnings: string[];
+  findings?: { kind: string }[];
 }

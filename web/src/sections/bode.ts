@@ -81,7 +81,7 @@ class BodeSection {
         this.readout,
       ),
     );
-    this.note.textContent = 'The core is starting …';
+    this.note.textContent = 'The curves are calculated …';
     host.append(this.note, this.print);
     state.listen((change) => {
       if (change === 'pose' || change === 'numbers') this.newPose();

@@ -123,7 +123,7 @@ function legTable(pose: PoseCheck): HTMLElement {
     ['oil can push, kN', ofOil((leg) => 1e-3 * leg.largest_push_N), 1],
     ['oil can pull, kN', ofOil((leg) => 1e-3 * leg.largest_pull_N), 1],
     ['torque at rest, N m', (leg) => leg.holding_torque_N_m, 2],
-    ['motor torque, N m', (leg) => leg.torque_limit_N_m, 1],
+    ['torque limit, N m', (leg) => leg.torque_limit_N_m, 1],
     ['largest speed, m/s', (leg) => leg.largest_speed_m_s, 3],
     ['column bears, kN', (leg) => leg.column && 1e-3 * leg.column.strength_N, 1],
     ['cap side, bar', (leg) => leg.cap_pressure_Pa && 1e-5 * leg.cap_pressure_Pa, 1],

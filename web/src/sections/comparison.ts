@@ -7,7 +7,7 @@ import { DiagramStack } from '../bode/stack';
 import type { ComparedThing, SideBySide, TestedDifference } from '../document';
 import { controlRow, html, select } from '../dom';
 import { magnitude, phase } from '../complex';
-import { fixed, halfWidth95, significant } from '../numbers';
+import { fixed, halfWidth95, withInterval } from '../numbers';
 import { palette } from '../palette';
 import type { State } from '../state';
 import { numeric, scroller, tableHead } from '../table';
@@ -38,22 +38,20 @@ const verdictWords: Record<TestedDifference['verdict'], string> = {
   cannot_say: 'cannot say',
 };
 
-/** "5.024 ± 0.012": as many digits as the interval has, at least `least`. */
-function withInterval(value: number, deviation: number | null, least: number): string {
-  if (deviation === null || !(deviation > 0)) return fixed(value, least);
-  const interval = halfWidth95 * deviation;
-  const digits = Math.min(9, Math.max(least, 1 - Math.floor(Math.log10(interval))));
-  return `${fixed(value, digits)} ± ${significant(interval, 2)}`;
+/** "5.024 ± 0.012"; `otherwise`: decimals where no interval is known. */
+function estimate(value: number, deviation: number | null, otherwise: number): string {
+  if (deviation === null || !(deviation > 0)) return fixed(value, otherwise);
+  return withInterval(value, halfWidth95 * deviation, otherwise).join(' ± ');
 }
 
-const signed = (value: number, deviation: number | null, least: number): string =>
-  `${value < 0 ? '−' : '+'}${withInterval(Math.abs(value), deviation, least)}`;
+const signed = (value: number, deviation: number | null, otherwise: number): string =>
+  `${value < 0 ? '−' : '+'}${estimate(Math.abs(value), deviation, otherwise)}`;
 
 const scaled = (deviation: number | null, factor: number): number | null =>
   deviation === null ? null : deviation * factor;
 
 function frequencyText(mode: ComparedThing['modes'][number]): string {
-  return withInterval(mode.frequency_hz, scaled(mode.omega_deviation_rad_s, 1 / (2 * Math.PI)), 3);
+  return estimate(mode.frequency_hz, scaled(mode.omega_deviation_rad_s, 1 / (2 * Math.PI)), 3);
 }
 
 interface Difference {
@@ -103,9 +101,12 @@ function rowsOf(all: SideBySide, one: Compared): Row[] {
   });
 }
 
+/** All less than this are equal: the axis of their points has no range. */
+const noDifference = 5e-4;
+
 /** What holds all differences with their intervals. */
 const reachOf = (differences: Difference[]): number =>
-  1.1 * Math.max(1e-9, ...differences.map(({ value, deviation }) => Math.abs(value) + halfWidth95 * (deviation ?? 0)));
+  1.1 * Math.max(noDifference, ...differences.map(({ value, deviation }) => Math.abs(value) + halfWidth95 * (deviation ?? 0)));
 
 /** A difference as a number, as a point beside zero, and its verdict. */
 const differenceCells = (difference: Difference, reach: number): HTMLElement[] => [
@@ -118,7 +119,9 @@ function pairTable(all: SideBySide, one: Compared): HTMLElement {
   const b = letter(one.thing - 1);
   const rows = rowsOf(all, one);
   const [reach, dampingReach] = [reachOf(rows.map((r) => r.frequency)), reachOf(rows.map((r) => r.damping))];
-  const range = (value: number, unit: string) => `± ${fixed(value, value < 1 ? 3 : 1)} ${unit}`;
+  if (rows.length === 0) return html('p', {}, `No mode of A has a partner in ${b}.`);
+  const range = (value: number, unit: string) =>
+    value > 2 * noDifference ? `± ${fixed(value, value < 1 ? 3 : 1)} ${unit}` : 'no difference';
   return scroller(
     `Modes of A and ${b}`,
     html(
@@ -173,6 +176,7 @@ function notes(all: SideBySide, one: Compared): HTMLElement {
     ...left(one.first_left, 0),
     ...left(one.second_left, one.thing - 1),
     `Shapes: ${one.shapes}.`,
+    words.size > 0 && !words.has('significant') && !words.has('not_significant') ? 'No difference was tested for significance.' : '',
     words.has('significant') || words.has('not_significant') ? `Significant: ${all.test}; ± is half the 95 % interval.` : '',
     words.has('calculated') ? 'Calculated: both values are calculated and have no measurement uncertainty.' : '',
     words.has('cannot_say') ? 'Cannot say: the uncertainty of a measured value is not known.' : '',
@@ -202,7 +206,7 @@ class Responses {
       controlRow(select('Response', names, (k) => this.choose(names[k]), 'compared-response')),
       this.plots.element,
       this.legend,
-      html('p', { class: 'note' }, 'Drag across a diagram to zoom, double-click for the whole range.'),
+      html('p', { class: 'note' }, 'Magnitudes are lines, phases are points. Drag across a diagram to zoom, double-click for the whole range.'),
     ];
   }
 

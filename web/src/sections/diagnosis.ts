@@ -1,10 +1,10 @@
 // The diagnosis: measured modes with those of the rigid-leg model and of the best hypothesis, the
 // ranking, the required stiffness. A click on a measured mode shows the machine moving in this mode.
 
-import { stackedBar, type Part } from '../bars';
+import { energyParts, stackedBar } from '../bars';
 import type { Diagnosis, DiagnosedMode, Hypothesis, Remedy } from '../document';
 import { button, html, svg } from '../dom';
-import { fixed, hertz, signedPercent } from '../numbers';
+import { fixed, hertz, raised, signedPercent, withInterval } from '../numbers';
 import { Prediction } from '../diagnosis/prediction';
 import type { State } from '../state';
 import { scroller, tableHead } from '../table';
@@ -22,19 +22,6 @@ const plain = (value: number): string =>
     ? value.toPrecision(4).replace('e+', 'e')
     : String(Number(value.toPrecision(4)));
 
-const energy = (strain: DiagnosedMode['strain_energy']): Part[] => [
-  { name: 'oil', long: 'oil', value: strain.oil, kind: 'oil' },
-  { name: 'sleeves', long: 'guide sleeves', value: strain.guide_sleeve, kind: 'sleeve' },
-  { name: 'rings', long: 'piston rings', value: strain.piston_ring, kind: 'ring' },
-  { name: 'base', long: 'base', value: strain.base_mount, kind: 'legs' },
-  ...(strain.payload
-    ? [{ name: 'payload', long: 'payload', value: strain.payload, kind: 'legs' }]
-    : []),
-  ...(strain.bending
-    ? [{ name: 'bending', long: 'bending of rods and cases', value: strain.bending, kind: 'legs' }]
-    : []),
-];
-
 /** The mode of the page's first pose whose frequency is closest to the fitted one of `mode`. */
 function shownMode(state: State, mode: DiagnosedMode): number {
   let best = state.pose.modes[0];
@@ -51,6 +38,8 @@ function shownMode(state: State, mode: DiagnosedMode): number {
 const cell = (text: string) => html('td', {}, text);
 
 function measuredTable(state: State, found: Diagnosis): HTMLElement {
+  const type = state.stated.modes[0]?.strain_energy.axial; // of all legs; the diagnosis does not repeat it
+  const axial = type === undefined ? {} : { axial: type };
   const rows = (found.measured_modes ?? []).map((mode) => {
     const show = () => {
       state.chooseMode(shownMode(state, mode));
@@ -61,12 +50,12 @@ function measuredTable(state: State, found: Diagnosis): HTMLElement {
       'tr',
       {},
       html('th', { scope: 'row' }, `${mode.direction ?? '?'}${mode.mode_direction === undefined ? '' : ` (mode: ${mode.mode_direction})`}, ${mode.pose}`),
-      cell(`${hertz(mode.frequency_hz)} ± ${fixed(mode.deviation_hz, 3)}`),
+      cell(withInterval(mode.frequency_hz, mode.deviation_hz, 3).join(' ± ')),
       cell(mode.rigid_hz !== null && mode.rigid_mac >= 0.1 ? hertz(mode.rigid_hz) : ''),
       cell(mode.rigid_hz !== null && mode.rigid_mac >= 0.1 ? signedPercent(-100 * mode.drop) : ''),
       cell(hertz(mode.nominal_hz)),
       cell(hertz(mode.fitted_hz)),
-      html('td', {}, stackedBar(energy(mode.strain_energy))),
+      html('td', {}, stackedBar(energyParts({ ...mode.strain_energy, ...axial }))),
       html('td', {}, here ? button('Show', show, { 'data-control': 'show-mode', 'aria-label': `Show the motion of the mode at ${hertz(mode.frequency_hz)} Hz` }) : ''),
     );
   });
@@ -85,19 +74,27 @@ function measuredTable(state: State, found: Diagnosis): HTMLElement {
     html(
       'table',
       { class: 'diagnosed' },
-      html('caption', {}, 'Measured modes, rigid-leg model and best hypothesis'),
+      html('caption', {}, 'Measured modes with their standard deviations, rigid-leg model and best hypothesis'),
       tableHead(...titles.map((title): [string] => [title])),
       html('tbody', {}, ...rows),
     ),
   );
 }
 
+/** "5.2 ± 0.1", "(8.40 ± 0.02)·10⁵": with its standard deviation. */
+function estimate(value: number, deviation: number | null): string {
+  if (deviation === null || !(deviation > 0)) return plain(value);
+  const size = Math.abs(value);
+  const exponent = size >= 1e5 || (size > 0 && size < 1e-2) ? Math.floor(Math.log10(size)) : 0;
+  const text = withInterval(value / 10 ** exponent, deviation / 10 ** exponent, 3).join(' ± ');
+  return exponent === 0 ? text : `(${text})·10${raised(exponent)}`;
+}
+
 const values = (e: Hypothesis): string =>
   e.parameters
     .map(
       (p) =>
-        `${p.paths.join(', ')} = ${plain(p.value)}` +
-        (p.deviation !== null ? ` ± ${plain(p.deviation)}` : '') +
+        `${p.paths.join(', ')} = ${estimate(p.value, p.deviation)}` +
         ` ${p.unit === '1' ? '' : p.unit}` +
         (p.at_bound ? ' (at its bound)' : ''),
     )
@@ -152,76 +149,76 @@ function ranking(found: Diagnosis, show: (hypothesis: number) => void): { parts:
   return { parts, mark };
 }
 
-/** Frequency or drop as a function of stiffness, with the value of the computed machine and the required one. */
-function curve(remedy: Remedy, machine: string): SVGSVGElement {
-  const width = 720;
-  const height = 300;
-  const [left, right, top, bottom] = [64, 16, 16, 46];
-  const drop = remedy.goal.drop !== undefined;
-  const y = (p: { drop: number; frequency_hz: number }) => (drop ? 100 * p.drop : p.frequency_hz);
+const [width, height] = [720, 300];
+const [left, right, top, bottom] = [64, 16, 16, 46];
+
+/** Stiffness on a logarithmic axis, and above it the drop [%] or the frequency [Hz]. */
+function axesOf(remedy: Remedy) {
+  const isDrop = remedy.goal.drop !== undefined;
+  const y = (p: { drop: number; frequency_hz: number }) => (isDrop ? 100 * p.drop : p.frequency_hz);
   // from the stiff end to buckling
   let first = remedy.curve.length;
   while (first > 0 && (remedy.curve[first - 1]?.frequency_hz ?? 0) > 0) --first;
   const points = remedy.curve.slice(first);
-  const goal = drop ? 100 * (remedy.goal.drop ?? 0) : (remedy.goal.frequency_hz ?? 0);
+  const goal = isDrop ? 100 * (remedy.goal.drop ?? 0) : (remedy.goal.frequency_hz ?? 0);
   const x0 = Math.log10(points[0]?.stiffness_N_m ?? 1);
   const x1 = Math.log10(points[points.length - 1]?.stiffness_N_m ?? 10);
   const all = [...points.map(y), goal];
-  const y0 = Math.min(0, ...all);
-  const y1 = Math.max(...all) * 1.05;
-  const px = (stiffness: number) =>
-    left + ((Math.log10(stiffness) - x0) / (x1 - x0)) * (width - left - right);
+  const [y0, y1] = [Math.min(0, ...all), Math.max(...all) * 1.05];
+  const px = (stiffness: number) => left + ((Math.log10(stiffness) - x0) / (x1 - x0)) * (width - left - right);
   const py = (value: number) => height - bottom - ((value - y0) / (y1 - y0)) * (height - top - bottom);
+  return { isDrop, points, goal, x0, x1, y0, y1, y, px, py };
+}
+
+function grid({ isDrop, x0, x1, y0, y1, px, py }: ReturnType<typeof axesOf>): SVGElement[] {
+  const parts: SVGElement[] = [];
+  for (let decade = Math.ceil(x0); decade <= x1; ++decade) {
+    const x = px(10 ** decade);
+    parts.push(
+      svg('line', { x1: x, x2: x, y1: top, y2: height - bottom, class: 'grid' }),
+      svg('text', { x, y: height - bottom + 16, 'text-anchor': 'middle' }, `1e${decade}`),
+    );
+  }
+  for (let k = 0; k <= 4; ++k) {
+    const value = y0 + ((y1 - y0) * k) / 4;
+    const y = py(value);
+    parts.push(
+      svg('line', { x1: left, x2: width - right, y1: y, y2: y, class: 'grid' }),
+      svg('text', { x: left - 6, y: y + 4, 'text-anchor': 'end' }, fixed(value, y1 < 20 ? 1 : 0)),
+    );
+  }
+  const middle = { 'text-anchor': 'middle' };
+  parts.push(
+    svg('text', { x: (left + width - right) / 2, y: height - 8, ...middle }, 'stiffness of the guide sleeves, N/m'),
+    svg('text', { x: 14, y: height / 2, ...middle, transform: `rotate(-90 14 ${height / 2})` }, isDrop ? 'largest drop, %' : 'lowest resonance, Hz'),
+  );
+  return parts;
+}
+
+/** Frequency or drop as a function of stiffness, with the value of the computed machine and the required one. */
+function curve(remedy: Remedy, machine: string): SVGSVGElement {
+  const axes = axesOf(remedy);
+  const { isDrop, points, goal, y, px, py } = axes;
   const path = points
     .map((p, k) => `${k === 0 ? 'M' : 'L'}${px(p.stiffness_N_m).toFixed(2)} ${py(y(p)).toFixed(2)}`)
     .join('');
   const label = `${remedy.goal.words}: ${machine} ${plain(remedy.present.stiffness_N_m)} N/m, required ${plain(remedy.required.stiffness_N_m)} N/m`;
-  const picture = svg('svg', {
-    viewBox: `0 0 ${width} ${height}`,
-    role: 'img',
-    'aria-label': `${drop ? 'Largest drop' : 'Lowest resonance'} as a function of the stiffness of the guide sleeves; ${label}`,
-    class: 'stiffness',
-  });
-  for (let decade = Math.ceil(x0); decade <= x1; ++decade)
-    picture.append(
-      svg('line', { x1: px(10 ** decade), x2: px(10 ** decade), y1: top, y2: height - bottom, class: 'grid' }),
-      svg('text', { x: px(10 ** decade), y: height - bottom + 16, 'text-anchor': 'middle' }, `1e${decade}`),
-    );
-  for (let k = 0; k <= 4; ++k) {
-    const value = y0 + ((y1 - y0) * k) / 4;
-    picture.append(
-      svg('line', { x1: left, x2: width - right, y1: py(value), y2: py(value), class: 'grid' }),
-      svg('text', { x: left - 6, y: py(value) + 4, 'text-anchor': 'end' }, fixed(value, y1 < 20 ? 1 : 0)),
-    );
-  }
-  picture.append(
+  const mark = (p: Remedy['present'], r: number, kind: string, name: string) =>
+    svg('circle', { cx: px(p.stiffness_N_m), cy: py(y(p)), r, class: kind, 'data-mark': name });
+  return svg(
+    'svg',
+    {
+      viewBox: `0 0 ${width} ${height}`,
+      role: 'img',
+      'aria-label': `${isDrop ? 'Largest drop' : 'Lowest resonance'} as a function of the stiffness of the guide sleeves; ${label}`,
+      class: 'stiffness',
+    },
+    ...grid(axes),
     svg('line', { x1: left, x2: width - right, y1: py(goal), y2: py(goal), class: 'wanted' }),
     svg('path', { d: path, class: 'line' }),
-    svg('circle', {
-      cx: px(remedy.present.stiffness_N_m),
-      cy: py(y(remedy.present)),
-      r: 6,
-      class: 'nominal',
-      'data-mark': 'present',
-    }),
-    svg('text', { x: (left + width - right) / 2, y: height - 8, 'text-anchor': 'middle' }, 'stiffness of the guide sleeves, N/m'),
-    svg(
-      'text',
-      { x: 14, y: height / 2, 'text-anchor': 'middle', transform: `rotate(-90 14 ${height / 2})` },
-      drop ? 'largest drop, %' : 'lowest resonance, Hz',
-    ),
+    mark(remedy.present, 6, 'nominal', 'present'),
+    remedy.status === 'found' && mark(remedy.required, 5, 'required', 'required'),
   );
-  if (remedy.status === 'found')
-    picture.append(
-      svg('circle', {
-        cx: px(remedy.required.stiffness_N_m),
-        cy: py(y(remedy.required)),
-        r: 5,
-        class: 'required',
-        'data-mark': 'required',
-      }),
-    );
-  return picture;
 }
 
 function render(state: State, host: HTMLElement): void {

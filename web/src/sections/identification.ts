@@ -7,11 +7,12 @@ import { Fitter, type Fit } from '../identification/fitter';
 import { ResponsePlots } from '../identification/plots';
 import { MovingShape, type ShownShape } from '../identification/moving_shape';
 import { displacementOf, platformMotion } from '../identification/platform_motion';
+import { isOfWholeRecord, programFit, whyNoRefit } from '../identification/program_fit';
 import { comparisonTable, macTable, PoleTable } from '../identification/tables';
 import type { ChartPole, Identification, Pole, Vector } from '../identification/types';
 import { coreFailure, sharedCore } from '../core/shared';
 import { button, controlRow, html, identifier, select, svg } from '../dom';
-import { fixed, hertz, significant, signedPercent } from '../numbers';
+import { fixed, hertz, signedPercent, withInterval } from '../numbers';
 import { palette } from '../palette';
 import type { State } from '../state';
 import type { Section } from './section';
@@ -39,12 +40,12 @@ function poleName({ known, order }: Selected): string {
   return `pole of order ${known?.number ?? order ?? '?'}`;
 }
 
-/** Of a pole that is not one of the modes. */
-function poleCaption({ pole, known }: Selected): string {
-  const damping = `damping ratio ${fixed(100 * pole.damping_ratio, 2)} %.`;
-  return known?.kind === 'heavy'
-    ? `Heavily damped pole, ${damping}`
-    : `Pole that belongs to no mode, ${damping} Its shape is that of the fit with the poles that are switched on.`;
+const ofTheFit = 'Its shape is that of the fit with the poles that are switched on.';
+
+/** Of a pole that is not one of the modes. `identified`: with its shape in the identification. */
+function poleCaption({ pole, known }: Selected, identified: boolean): string {
+  const kind = known?.kind === 'heavy' ? 'Heavily damped pole' : 'Pole that belongs to no mode';
+  return `${kind}, damping ratio ${fixed(100 * pole.damping_ratio, 2)} %.${identified ? '' : ` ${ofTheFit}`}`;
 }
 
 function fitText({ poles, error }: Fit): string {
@@ -52,10 +53,19 @@ function fitText({ poles, error }: Fit): string {
   return `${count} switched on: error of the synthesised responses ${fixed(100 * error, 2)} %.`;
 }
 
+const programFitText = ({ error }: Fit): string =>
+  `Error of the synthesised spectra of the outputs: ${fixed(100 * error, 2)} %. ${whyNoRefit}`;
+
+const shownName = (selected: Selected): string => `${poleName(selected)}, ${hertz(selected.pole.frequency_hz)} Hz`;
+
+const noPicture = (): HTMLElement =>
+  html('p', { class: 'note' }, 'The report has no geometry of the machine: shapes are not drawn. The table lists their motion.');
+
 class IdentificationSection {
   private readonly data: Identification;
   private readonly choice: Choice;
-  private readonly fitter: Promise<Fitter>;
+  /** null: the page cannot make the fit of the program. */
+  private readonly fitter: Promise<Fitter> | null;
   private readonly chart: Chart;
   private readonly plots: ResponsePlots;
   private readonly table: PoleTable;
@@ -63,6 +73,7 @@ class IdentificationSection {
   private readonly keys = html('ul', { class: 'legend' });
   private readonly macHost = html('div');
   private readonly shape: MovingShape | null;
+  private readonly selectedName = html('span');
   private readonly switchButton = button('Switch off', () => this.switchSelected(), { 'data-control': 'selected-switch' });
   private selected: Selected | null = null;
   /** The last one that the core has answered. */
@@ -77,19 +88,19 @@ class IdentificationSection {
   constructor(state: State, host: HTMLElement) {
     this.data = state.report.identification as Identification;
     this.choice = new Choice(this.data);
-    this.fitter = this.startFitter(state);
+    this.fitter = isOfWholeRecord(this.data) ? null : this.startFitter(state);
     this.chart = new Chart(this.data, this.choice);
     this.plots = new ResponsePlots(this.data);
-    this.table = new PoleTable(this.data, this.choice);
+    this.table = new PoleTable(this.data, this.choice, this.fitter !== null);
     const geometry = state.report.poses[0]?.geometry;
-    this.shape = geometry ? new MovingShape(geometry, [this.switchButton]) : null;
+    this.shape = geometry ? new MovingShape(geometry) : null;
     this.choice.onChange = () => this.refit();
     this.chart.onSelect = (mark, order) => this.select(this.chosen(mark, order), true);
     this.table.onShow = (known) => {
       this.select({ pole: known, known }, true);
       this.shape?.element.scrollIntoView({ behavior: 'auto', block: 'nearest' });
     };
-    this.error.textContent = 'The core is starting …';
+    if (this.fitter) this.error.textContent = 'The fit is calculated …';
     host.append(...this.parts());
     state.listen((change) => {
       if (change !== 'theme') return;
@@ -120,7 +131,7 @@ class IdentificationSection {
         'div',
         { class: 'stabilisation' },
         html('div', { class: 'stabilisation-part' }, this.chart.element, this.keys, this.byHand()),
-        this.shape?.element,
+        html('div', { class: 'stabilisation-part' }, this.shape?.element ?? noPicture(), this.selection()),
       ),
       html('h3', {}, 'Modes'),
       this.table.element,
@@ -134,7 +145,18 @@ class IdentificationSection {
     ];
   }
 
+  /** The pole that is shown, and its switch: also where there is no picture of it. */
+  private selection(): HTMLElement {
+    return html('div', { class: 'row selection' }, this.selectedName, this.fitter ? this.switchButton : null);
+  }
+
   private fitNote(): string {
+    const zoom = 'Drag across a diagram to zoom, double-click for the whole range.';
+    if (!this.fitter)
+      return (
+        'Solid, for phases points: parametric model of the record, with its 95 % band; dashed: sum of the identified modes and of the ' +
+        `residual terms. ${zoom}`
+      );
     const shift = this.data.responses.shift_per_s;
     const window = this.data.taper
       ? ', including the effect of the measurement window'
@@ -142,8 +164,8 @@ class IdentificationSection {
         ? `; both at s = a + iω with a = ${shift.toPrecision(2)} 1/s, which widens the resonances`
         : '';
     return (
-      `Solid: measured, with its 95 % band where errors are known; dashed: fit of the poles that are ` +
-      `switched on${window}. Drag across a diagram to zoom, double-click for the whole range.`
+      `Solid, for phases points: measured, with its 95 % band where errors are known; dashed: fit of the poles that are ` +
+      `switched on${window}. ${zoom}`
     );
   }
 
@@ -185,8 +207,8 @@ class IdentificationSection {
       html('label', { for: frequency.id }, 'closest to Hz'),
       frequency,
       button('Show shape', show, { 'data-control': 'hand-show' }),
-      button('Switch', toggle, { 'data-control': 'hand-switch' }),
-      button('Reset', () => this.choice.reset(), { 'data-control': 'as-found' }),
+      this.fitter && button('Switch', toggle, { 'data-control': 'hand-switch' }),
+      this.fitter && button('Reset', () => this.choice.reset(), { 'data-control': 'as-found' }),
     );
   }
 
@@ -204,9 +226,15 @@ class IdentificationSection {
     this.selected = selected;
     this.chart.select(selected.mark ?? null);
     this.nameSwitch();
-    const found = this.foundShape(selected);
-    if (found) this.shape?.show(this.shownShape(selected, found), moving);
-    else this.queue(() => this.showFitted(selected, moving));
+    this.showShape(selected, moving);
+  }
+
+  /** That of the identification, until the reader changes the poles; then that of the fit. */
+  private showShape(selected: Selected, moving: boolean): void {
+    const { active } = this;
+    const found = this.choice.untouched ? this.foundShape(selected) : null;
+    if (found) this.shape?.show(this.shownShape(selected, found, true), moving);
+    else this.queue(() => this.showFitted(selected, active, moving));
   }
 
   /** One after the other: what was chosen meanwhile is seen before the core is asked. */
@@ -216,13 +244,15 @@ class IdentificationSection {
 
   private nameSwitch(): void {
     const known = this.selected?.mark ? this.choice.of(this.selected.mark) : this.selected?.known;
-    this.switchButton.textContent = !known ? 'Add to the fit' : known.on ? 'Switch off' : 'Switch on';
+    const added = known && (known.kind !== 'hand' || known.on); // not one that was taken out again
+    if (this.selected) this.selectedName.textContent = shownName(this.selected);
+    this.switchButton.textContent = !added ? 'Add to the fit' : known.on ? 'Switch off' : 'Switch on';
   }
 
   private switchSelected(): void {
     const { known, mark, order } = this.selected ?? {};
     if (mark && order !== undefined) this.choice.toggle(mark, order);
-    else if (known && (known.kind !== 'hand' || known.on)) this.choice.set(known, !known.on);
+    else if (known) this.choice.set(known, !known.on);
   }
 
   /** Of a mode or a heavily damped pole as the program found it; null: the fit has to tell. */
@@ -233,37 +263,39 @@ class IdentificationSection {
     return displacementOf(this.data.outputs, pole.pole, re.map((part, o) => ({ re: part, im: im[o] })));
   }
 
-  /** Of another pole of the chart the shape that it has in the fit, beside the poles that are switched on. */
-  private async showFitted(selected: Selected, moving: boolean): Promise<void> {
-    if (selected !== this.selected) return; // another one was chosen meanwhile
+  /** The shape in the fit beside the poles that are switched on. */
+  private async showFitted(selected: Selected, active: ChosenPole[], moving: boolean): Promise<void> {
+    if (selected !== this.selected || active !== this.active) return; // another choice was made meanwhile
     const { known, mark } = selected;
     const pole = (mark ? this.choice.of(mark) : known) ?? selected.pole;
     let shown: ShownShape;
     try {
       const fit = await this.fitWith(pole);
       const shape = fit.shapes[fit.poles.indexOf(pole)];
-      shown = this.shownShape(selected, displacementOf(this.data.outputs, pole.pole, shape));
+      shown = this.shownShape(selected, displacementOf(this.data.outputs, pole.pole, shape), false);
     } catch (error) {
-      shown = { ...this.shownShape(selected, null), problem: coreFailure(error) };
+      const problem = this.fitter ? coreFailure(error) : whyNoRefit;
+      shown = { ...this.shownShape(selected, this.foundShape(selected), true), problem };
     }
-    if (selected === this.selected) this.shape?.show(shown, moving);
+    if (selected === this.selected && active === this.active) this.shape?.show(shown, moving);
   }
 
   /** What is switched on, and `pole`. */
   private async fitWith(pole: Pole): Promise<Fit> {
     const { fit, active } = this;
     if (fit?.poles === active && active.some((other) => other === pole)) return fit;
+    if (!this.fitter) throw new Error(whyNoRefit);
     return (await this.fitter).fit([...active.filter((other) => other !== pole), pole]);
   }
 
-  private shownShape(selected: Selected, displacement: Vector | null): ShownShape {
-    const { pole, known } = selected;
+  private shownShape(selected: Selected, displacement: Vector | null, identified: boolean): ShownShape {
+    const { known } = selected;
     const { outputs, comparison } = this.data;
     const number = known?.kind === 'mode' ? known.number : null;
     const partner = comparison?.pairs.find((p) => p.mode === number)?.model;
     return {
-      name: `${poleName(selected)}, ${hertz(pole.frequency_hz)} Hz`,
-      caption: number === null ? poleCaption(selected) : this.modeCaption(number),
+      name: shownName(selected),
+      caption: number === null ? poleCaption(selected, identified) : this.modeCaption(number, identified),
       motion: displacement && platformMotion(outputs, displacement),
       model: partner?.motion
         ? { name: `${partner.label}, ${hertz(partner.frequency_hz)} Hz`, motion: partner.motion }
@@ -271,14 +303,16 @@ class IdentificationSection {
     };
   }
 
-  private modeCaption(number: number): string {
+  private modeCaption(number: number, identified: boolean): string {
     const mode = this.data.modes[number - 1];
     const pair = this.data.comparison?.pairs.find((p) => p.mode === number);
-    const own =
-      `Mode ${number}: ${mode.motion}. Damping ratio ${fixed(100 * mode.damping_ratio, 2)} ± ` +
-      `${significant(100 * mode.damping_95, 2)} %, MPC ${fixed(mode.mpc, 3)}.`;
+    const [damping, interval] = withInterval(100 * mode.damping_ratio, 100 * mode.damping_95, 2);
+    const ratio = `amping ratio ${damping} ± ${interval} %`;
+    const own = identified
+      ? `Mode ${number}: ${mode.motion}. D${ratio}, MPC ${fixed(mode.mpc, 3)}.`
+      : `Mode ${number}: d${ratio}. ${ofTheFit}`;
     if (!pair) return own;
-    const mac = pair.mac === null ? '' : `, MAC ${fixed(pair.mac, 3)}`;
+    const mac = pair.mac === null || !identified ? '' : `, MAC ${fixed(pair.mac, 3)}`;
     return (
       `${own} Model: ${pair.model.label}; the measured frequency is ` +
       `${signedPercent(pair.frequency_difference_percent)} relative to it${mac}.`
@@ -291,6 +325,7 @@ class IdentificationSection {
     this.nameSwitch();
     this.draw();
     this.queue(() => this.showFit(active));
+    if (this.selected) this.showShape(this.selected, false);
   }
 
   private async showFit(active: ChosenPole[]): Promise<void> {
@@ -298,8 +333,8 @@ class IdentificationSection {
     let fit: Fit | null = null;
     let words: string;
     try {
-      fit = await (await this.fitter).fit(active);
-      words = fitText(fit);
+      fit = this.fitter ? await (await this.fitter).fit(active) : programFit(this.data, active);
+      words = this.fitter ? fitText(fit) : programFitText(fit);
     } catch (error) {
       words = coreFailure(error);
     }

@@ -47,7 +47,7 @@ class WhatIf {
   private readonly omega: Float64Array;
   private readonly ready: () => Promise<void>;
 
-  private readonly parameters = html('div', { class: 'what-if-parameters' }, html('p', { class: 'note' }, 'The core is starting …'));
+  private readonly parameters = html('div', { class: 'what-if-parameters' }, html('p', { class: 'note' }, 'The parameters are read …'));
   private readonly state_ = html('p', { class: 'what-if-state', 'aria-live': 'polite' });
   private readonly table = scroller('Results');
   private readonly buckling = html('p', { class: 'note' });

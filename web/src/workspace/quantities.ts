@@ -2,7 +2,7 @@
 
 import { map } from '../core/core';
 import { directions } from '../document';
-import { fixed } from '../numbers';
+import { fixed, significant } from '../numbers';
 
 export interface Quantity {
   name: string;
@@ -36,7 +36,11 @@ export const unitOf = (direction: number): [name: string, size: number] =>
 
 export function displacementText(direction: number, value: number): string {
   const [unit, size] = unitOf(direction);
-  return `${fixed(value / size, direction < 3 ? 1 : 2)} ${unit}`;
+  const shown = value / size;
+  const digits = direction < 3 ? 1 : 2;
+  // less than the last decimal is not nothing; rounding errors are
+  const isSmall = Math.abs(shown) >= 1e-6 && Math.abs(shown) < 10 ** -digits;
+  return `${isSmall ? significant(shown, 2) : fixed(Math.abs(shown) < 1e-6 ? 0 : shown, digits)} ${unit}`;
 }
 
 /** "x=12 mm, ry=0.5 deg", as `--pose` takes it; "neutral" where nothing is displaced. */
