@@ -93,6 +93,16 @@ bool only_shapes_differ(const Diagnosis& d) {
   return !more && goodness(d, d.nominal()).frequencies.probability() >= usual_frequencies;
 }
 
+/// No candidate is shown to be the cause, and the nominal machine meets the data as it is.
+bool needs_no_cause(const Diagnosis& d) {
+  return d.unexplained == Unexplained::unlisted &&
+         goodness(d, d.nominal()).probability >= usual_frequencies;
+}
+
+std::size_t index_of_nominal(const Diagnosis& d) {
+  return static_cast<std::size_t>(&d.nominal() - d.hypotheses.data());
+}
+
 /// Could frequencies have refuted it?
 bool is_tested(const Diagnosis& d, const Hypothesis& e) {
   return static_cast<int>(d.targets.modes.size()) - e.parameters >= tested_by;
@@ -152,8 +162,14 @@ void judge(Diagnosis& d) {
   std::erase_if(d.equivalent,
                 [&](std::size_t k) { return why_unexplained(d, d.hypotheses[k]).has_value(); });
   if (d.equivalent.empty()) {
-    d.finding = Finding::unexplained;
     d.unexplained = why_unexplained(d, d.judged());
+    if (needs_no_cause(d)) {
+      d.finding = Finding::nominal;
+      d.equivalent = {index_of_nominal(d)};
+      d.unexplained.reset();
+    } else {
+      d.finding = Finding::unexplained;
+    }
     return;
   }
   // a second cause whose parameter the data do not determine is not identified

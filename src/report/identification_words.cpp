@@ -293,7 +293,8 @@ std::string warning_text(const identification::ModeWarning& w) {
     case Kind::misfit:
       return fmt::format(
           "the modal model misses the responses by {:.1f} times their noise (mean square): a mode "
-          "may be missing, or the machine is not linear; the intervals are widened accordingly",
+          "may be missing, the machine may not be linear, or the inputs may follow the outputs in a "
+          "loop; the intervals are widened accordingly",
           w.value);
     case Kind::unexplained:
       return fmt::format(

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 
+#include "diagnosis/ranking.hpp"
 #include "hydrapod/report/measured_results.hpp"
 #include "support/binomial.hpp"
 
@@ -48,9 +49,10 @@ TEST(Goodness, JudgesKindByKind) {
   EXPECT_NEAR(g.probability, 3.0 * std::erfc(5.0 / std::sqrt(2.0)), 1e-15);
 }
 
-/// Eight frequencies of which the nominal machine misses each by 40 deviations, and a hypothesis of
-/// `causes` causes and `parameters` numbers that misses each by `off`. One of 30 candidate causes.
-Diagnosis of_eight(double off, int parameters = 1, std::size_t causes = 1) {
+/// Eight frequencies of which the nominal machine misses each by `nominal` deviations, and a
+/// hypothesis of `causes` causes and `parameters` numbers that misses each by `off`. One of 30
+/// candidate causes.
+Diagnosis of_eight(double off, int parameters = 1, std::size_t causes = 1, double nominal = 40.0) {
   constexpr int n = 8;
   Diagnosis d{.finding = Finding::unexplained, .values = n};
   d.causes.resize(30);
@@ -66,7 +68,7 @@ Diagnosis of_eight(double off, int parameters = 1, std::size_t causes = 1) {
   Hypothesis hypothesis{.parameters = parameters};
   for (std::size_t k = 0; k < causes; ++k) hypothesis.causes.push_back(k);
   add(off, hypothesis);
-  add(40.0, {});
+  add(nominal, {});
   return d;
 }
 
@@ -96,6 +98,22 @@ TEST(Unexplained, HasTheReasonThatTheWordsGive) {
   auto scattered = of_eight(0.7);
   scattered.scatter = 2.31;
   expect_reason(scattered, Unexplained::scatter, "differs from the measured values by 2.3 σ");
+}
+
+/// No cause is shown, and the nominal machine meets the data: χ² 11.5 with 8 degrees of freedom has
+/// a probability of 17 %, 18 of 2.1 %. The hypothesis is better by more than 6 both times, and no
+/// better than an unlisted cause, whose BIC is 13.0 and 16.6.
+TEST(Judgement, OfAMachineThatNeedsNoCauseNamesNone) {
+  auto sound = of_eight(0.5, 1, 1, 1.2);
+  ASSERT_EQ(why_unexplained(sound, sound.judged()), Unexplained::unlisted);
+  judge(sound);
+  EXPECT_EQ(sound.finding, Finding::nominal);
+  EXPECT_EQ(sound.equivalent, std::vector<std::size_t>{1});
+  EXPECT_FALSE(sound.unexplained);
+  auto other = of_eight(0.7, 1, 1, 1.5);
+  judge(other);
+  EXPECT_EQ(other.finding, Finding::unexplained);
+  EXPECT_EQ(other.unexplained, Unexplained::unlisted);
 }
 
 /// With the frequencies of the nominal machine only shapes are left to be wrong, unless dampings or

@@ -54,11 +54,12 @@ void add_marks(const response::ResponseModel& model, const modal::AnalysedModel&
       if (input == output) continue;  // find_peaks() has those
       const auto size = sizes(H, output, input);
       if (!is_coupled(largest(size), direct[output], direct[input])) continue;
-      for (const auto& peak : response::line_peaks(size, response::PeakOptions{}.min_prominence_db)) {
+      for (const auto& peak :
+           response::line_peaks(size, response::PeakOptions{}.min_prominence_db)) {
         const int behind = response::mode_behind(model, lines[peak.line], output, input);
-        numbers.insert(numbers.end(), {double(legs), double(output), double(input),
-                                       static_cast<double>(peak.line),
-                                       double(analysed.tabled_of_normal.at(behind) + 1)});
+        numbers.insert(numbers.end(),
+                       {double(legs), double(output), double(input), static_cast<double>(peak.line),
+                        double(analysed.tabled_of_normal.at(behind) + 1)});
       }
     }
 }
