@@ -195,6 +195,20 @@ TEST(ShortRecords, ALoopWithoutInstrumentsIsRefused) {
   }
 }
 
+/// Unasked, it is averaged, and that is biased by noise in the loop.
+TEST(ShortRecords, ALoopWithoutInstrumentsIsAveragedWithAWarning) {
+  const auto record =
+      without_excitation(foreign_loop_record(foreign_plant(), {.duration = 20.0, .seed = 4}));
+  const auto m = measured({record}, {.for_modes = true});
+  EXPECT_EQ(m.record, nullptr);
+  const auto& warnings = m.responses.warnings;
+  const auto loop = std::ranges::find(warnings, Kind::feedback, &data::ResponseWarning::kind);
+  ASSERT_NE(loop, warnings.end());
+  EXPECT_GT(loop->share, 0.05);
+  EXPECT_LT(loop->share, 1.0);
+  EXPECT_EQ(loop->estimator, Estimator::h1);
+}
+
 TEST(ShortRecords, DrivesOutsideOfALoopAreNot) {
   const auto system = five_masses();
   auto record = short_record(system, {}, 13);
