@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <numbers>
 
@@ -47,30 +48,50 @@ const model::Leg& leg_of(const model::MachineFile& file, Leg leg) {
   return file.machine.legs[static_cast<std::size_t>(leg.value_or(0))];
 }
 
+/// For all legs the first of those that the number at legs.`rest` sets: others may have their own.
+const model::Leg& leg_with(const model::MachineFile& file, Leg leg, const std::string& rest) {
+  const auto id = find_parameter(file, leg_path({}, rest));
+  return leg_of(file, leg || !id ? leg : Leg(std::countr_zero(id->legs)));
+}
+
+/// With the stiffness at `path`, of which the file states `value`. A seal that is stated as rigid
+/// is looked for among those that seals have.
+Cause softer(const model::MachineFile& file, Cause cause, const std::string& path, double value,
+             double factor) {
+  constexpr double rigid = 1e9, softest = 1e4, usual = 1e7;  // [N/m]
+  auto free = within(path, value, factor);
+  if (value > rigid) {
+    free.start = usual;
+    free.lower = softest;
+    cause.changes = {change(file, path, usual)};
+  }
+  cause.free = {free};
+  return cause;
+}
+
 /// The O-rings under the step seals: softer or stiffer than stated.
 void add_guide_sleeves(const model::MachineFile& file, std::vector<Cause>& all) {
   if (leg_of(file, {}).strut) return;
   constexpr double factor = 1e4;  // who calculates with rigid legs may state anything
+  const std::string key = "guide_sleeve.stiffness";
   for (const auto leg : all_and_each)
-    all.push_back({Cause::Kind::guide_sleeves,
-                   leg,
-                   {within(leg_path(leg, "guide_sleeve.stiffness"),
-                           leg_of(file, leg).guide_sleeve.stiffness, factor)}});
+    all.push_back(softer(file, {Cause::Kind::guide_sleeves, leg}, leg_path(leg, key),
+                         leg_with(file, leg, key).guide_sleeve.stiffness, factor));
 }
 
 /// The O-rings under the glyd rings at the pistons: a third resonance in x and y.
 void add_piston_rings(const model::MachineFile& file, std::vector<Cause>& all) {
   if (leg_of(file, {}).strut) return;
   // where the file has none they begin stiffer than the sleeves, as they are in cylinders
-  constexpr double factor = 1000.0, stiffer = 10.0;
+  constexpr double factor = 1000.0, stiffer = 10.0, stiffest = 1e9;
   const bool stated = leg_of(file, {}).piston_ring.has_value();
   for (const auto leg : all_and_each) {
     const auto& of = leg_of(file, leg);
     if (leg && !(stated && of.piston_ring)) continue;
     const auto path = leg_path(leg, "piston_ring.stiffness");
-    const double start =
-        of.piston_ring ? of.piston_ring->stiffness : stiffer * of.guide_sleeve.stiffness;
-    Cause rings{Cause::Kind::piston_rings, leg, {within(path, start, factor)}};
+    const double start = of.piston_ring ? of.piston_ring->stiffness
+                                        : std::min(stiffer * of.guide_sleeve.stiffness, stiffest);
+    auto rings = softer(file, {Cause::Kind::piston_rings, leg}, path, start, factor);
     if (!of.piston_ring) {
       rings.changes = {change(file, path, start)};
       // sleeves that are stated as good as rigid say nothing about the rings
@@ -78,6 +99,11 @@ void add_piston_rings(const model::MachineFile& file, std::vector<Cause>& all) {
     }
     all.push_back(rings);
   }
+}
+
+/// For all legs the first with chambers, where there is one.
+const model::Leg& oil_leg(const model::MachineFile& file, Leg leg) {
+  return leg_with(file, leg, "oil_spring.cylinder.bulk_modulus");
 }
 
 /// Path below a leg and value of the number that scales the oil spring.
@@ -89,7 +115,7 @@ std::pair<const char*, double> spring_number(const model::Leg& leg) {
 
 /// Air in all legs; where the file has none, from next to nothing, at a usual chamber pressure.
 Cause entrained_air(const model::MachineFile& file) {
-  const auto& cylinder = *leg_of(file, {}).oil_spring.cylinder;
+  const auto& cylinder = *oil_leg(file, {}).oil_spring.cylinder;
   constexpr double least = 1e-4, most = 0.25, usual_pressure = 4e6;
   const std::string path = "legs.oil_spring.cylinder.air.fraction";
   Cause air{Cause::Kind::air};
@@ -105,7 +131,7 @@ Cause entrained_air(const model::MachineFile& file) {
 /// More oil behind the piston than stated, on one side: dead volume or line, which the linear
 /// models do not tell apart.
 Cause volume(const model::MachineFile& file, Cause::Kind side, Leg leg) {
-  const auto& of = leg_of(file, leg);
+  const auto& of = oil_leg(file, leg);
   const auto& cylinder = *of.oil_spring.cylinder;
   const bool cap = side == Cause::Kind::cap_volume;
   const double stated = cap ? cylinder.cap_line_volume : cylinder.rod_line_volume;
@@ -141,18 +167,24 @@ void add_struts_and_screws(const model::MachineFile& file, std::vector<Cause>& a
 void add_oil(const model::MachineFile& file, std::vector<Cause>& all) {
   constexpr double factor = 5.0;
   if (model::leg_type(file.machine) != model::LegType::cylinder) return;
-  const auto& cylinder = leg_of(file, {}).oil_spring.cylinder;
+  const auto& cylinder = oil_leg(file, {}).oil_spring.cylinder;
   for (const auto leg : all_and_each) {
-    const auto [path, stated] = spring_number(leg_of(file, leg));
+    const auto [path, stated] = spring_number(oil_leg(file, leg));
     all.push_back({!leg && cylinder ? Cause::Kind::bulk_modulus : Cause::Kind::oil_springs,
                    leg,
                    {within(leg_path(leg, path), stated, factor)}});
   }
   if (!cylinder) return;
-  all.push_back(entrained_air(file));
+  const auto has_air_alike = [&](const auto& leg) {
+    const auto& own = leg.oil_spring.cylinder;
+    return own && own->air.has_value() == cylinder->air.has_value();
+  };
+  if (std::ranges::all_of(file.machine.legs, has_air_alike)) all.push_back(entrained_air(file));
   if (cylinder->volumes == model::VolumeRule::equal) return;
   for (const auto side : {Cause::Kind::cap_volume, Cause::Kind::rod_volume})
-    for (const auto leg : all_and_each) all.push_back(volume(file, side, leg));
+    for (const auto leg : all_and_each)
+      if (const auto& of = oil_leg(file, leg); of.oil_spring.cylinder && of.stroke)
+        all.push_back(volume(file, side, leg));
 }
 
 /// Gimbals and their fastening, which are compliant along the legs or have play; play shows as a
@@ -431,6 +463,23 @@ static_assert(kinds.size() == static_cast<std::size_t>(Cause::Kind::screws) + 1)
 
 const OfKind& of(Cause::Kind kind) { return *std::ranges::find(kinds, kind, &OfKind::kind); }
 
+/// One number for all legs is that of each leg where the file states it for each of them.
+std::vector<std::string> paths_in_file(const model::MachineFile& file,
+                                       const std::vector<std::string>& paths) {
+  constexpr std::string_view of_all = "legs.";
+  std::vector<std::string> found;
+  for (const auto& path : paths) {
+    if (!path.starts_with(of_all) || find_parameter(file, path) ||
+        !find_parameter(file.machine, path)) {
+      found.push_back(path);
+      continue;
+    }
+    for (int leg = 0; leg < model::leg_count; ++leg)
+      found.push_back(leg_path(leg, path.substr(of_all.size())));
+  }
+  return found;
+}
+
 }  // namespace
 
 Family Cause::family() const { return of(kind).family; }
@@ -442,6 +491,8 @@ std::vector<Cause> causes_of(const model::MachineFile& file) {
                          add_gimbals, add_sticking_seals, add_platform, add_base, add_oil_lines,
                          add_leakage, add_payload_modes, add_bending, add_elastomers})
     add(file, all);
+  for (auto& cause : all)
+    for (auto& free : cause.free) free.paths = paths_in_file(file, free.paths);
   return all;
 }
 

@@ -166,6 +166,15 @@ unsigned own_legs(const MachineFile& file, const ParameterId& id) {
   return own;
 }
 
+/// Of the legs of `id` those that have its number: a leg may have a stiffness in place of a
+/// cylinder. 0: none has it yet.
+std::uint16_t legs_that_hold(const Machine& machine, const ParameterId& id) {
+  unsigned holding = 0;
+  for (int leg = 0; leg < leg_count && is_of_legs(row_of(id)); ++leg)
+    if ((id.legs >> leg & 1U) != 0 && value_in(machine, id, leg)) holding |= 1U << leg;
+  return static_cast<std::uint16_t>(holding);
+}
+
 /// Number of the mode of the payload that has that name, or will have it; −1: none.
 int payload_mode_called(const Machine& machine, std::string_view name) {
   const auto& modes = machine.payload_modes;
@@ -231,6 +240,7 @@ std::optional<ParameterId> in_file(const MachineFile& file, ParameterId id) {
   if (!is_shared(id)) return id;
   id.legs = static_cast<std::uint16_t>(all_legs & ~own_legs(file, id));
   if (id.legs == 0) return std::nullopt;
+  if (const auto holding = legs_that_hold(file.machine, id); holding != 0) id.legs = holding;
   return id;
 }
 

@@ -1,4 +1,4 @@
-/// Machines without oil: plain struts, and electric cylinders.
+/// Machines without oil: plain struts, and electric cylinders; machines whose legs differ.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -58,6 +58,57 @@ TEST(DiagnoseScrews, FindsSoftSeals) {
   const auto d =
       diagnosed(screw_file, ModelKind::guide, {"legs.guide_sleeve.stiffness=1.7 kN/mm"}, 59);
   EXPECT_THAT(names_of(d), testing::Contains("guide sleeves of all legs")) << verdict(d);
+}
+
+/// Of heavy-platform.toml with `design`.
+diagnosis::Diagnosis heavy(const std::vector<std::string>& design,
+                           const std::vector<std::string>& fault, int seed) {
+  return run_blind({.machine = "heavy-platform.toml",
+                    .design = design,
+                    .fault = fault,
+                    .planted = {"any"},
+                    .poses = {"neutral", "low"},
+                    .noise = 5e-4,
+                    .repetition = seed})
+      .diagnosis;
+}
+
+/// One leg has a spring in place of chambers: the number of all legs is that of the others.
+TEST(DiagnoseLegsThatDiffer, KnowsWhichHaveChambers) {
+  for (const std::string odd : {"leg.1", "leg.3"}) {
+    const auto d = heavy({odd + ".oil_spring.stiffness=14.7 kN/mm"},
+                         {"legs.oil_spring.cylinder.bulk_modulus=0.83 GPa"}, 61);
+    EXPECT_THAT(names_of(d), testing::Contains("bulk modulus of the oil")) << odd << verdict(d);
+    for (const auto& cause : d.causes) EXPECT_NE(cause.kind, diagnosis::Cause::Kind::air);
+  }
+}
+
+/// Six own values, as a calibration of each leg writes them.
+TEST(DiagnoseLegsThatDiffer, FindsWhatIsCommonToLegsWithValuesOfTheirOwn) {
+  std::vector<std::string> design, fault;
+  for (int leg = 1; leg <= 6; ++leg) {
+    const auto sleeve = fmt::format("leg.{}.guide_sleeve.stiffness=", leg);
+    design.push_back(sleeve + fmt::format("{} kN/m", 840.0 + 0.1 * leg));
+    fault.push_back(sleeve + "1.23 kN/mm");
+  }
+  const auto d = heavy(design, fault, 67);
+  EXPECT_THAT(names_of(d), testing::Contains("guide sleeves of all legs")) << verdict(d);
+  const auto* sleeves = find(d, "guide sleeves of all legs");
+  ASSERT_NE(sleeves, nullptr);
+  const auto& found = sleeves->fit.parameters[0];
+  EXPECT_EQ(found.paths.size(), 6U);
+  EXPECT_NEAR(found.value, 1.23e6, 4.0 * found.deviation);
+}
+
+/// Who calculates with rigid legs learns what their sleeves are.
+TEST(DiagnoseLegsThatDiffer, FindsSleevesThatAreStatedAsRigid) {
+  const auto d =
+      heavy({"legs.guide_sleeve.stiffness=rigid"}, {"legs.guide_sleeve.stiffness=0.84 kN/mm"}, 71);
+  EXPECT_THAT(names_of(d), testing::Contains("guide sleeves of all legs")) << verdict(d);
+  const auto* sleeves = find(d, "guide sleeves of all legs");
+  ASSERT_NE(sleeves, nullptr);
+  const auto& found = sleeves->fit.parameters[0];
+  EXPECT_NEAR(found.value, 0.84e6, 4.0 * found.deviation);
 }
 
 }  // namespace
