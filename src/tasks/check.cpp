@@ -5,6 +5,7 @@
 
 #include "hydrapod/diagnosis/diagnose.hpp"
 #include "hydrapod/hydraulics/servo_axis.hpp"
+#include "hydrapod/modal/damped_modes.hpp"
 #include "hydrapod/modal/normal_modes.hpp"
 #include "hydrapod/tasks/linear.hpp"
 
@@ -250,7 +251,8 @@ void add_columns(const model::Machine& machine, const CheckOptions& options, Pos
 /// Modes and motions: only where the machine stands.
 void add_abilities(const model::Machine& machine, dynamics::ModelKind kind, PoseCheck& result) {
   if (!result.equilibrium) return;
-  const auto model = dynamics::linear_model(machine, result.pose.X_BP, kind);
+  const auto model =
+      modal::at_lowest_resonance(dynamics::linear_model(machine, result.pose.X_BP, kind));
   const double square = modal::normal_modes(model).omega2[0];
   if (square <= 0.0) return;
   result.first_resonance = std::sqrt(square);
