@@ -26,7 +26,8 @@ constexpr std::array<std::string_view, 15> hertz_words{"f",
                                                        "freq_vector",
                                                        "frequency_vector",
                                                        "freq_vector_hz"};
-constexpr std::array<std::string_view, 4> circular_words{"omega", "w", "omega_rad_s", "w_rad_s"};
+constexpr std::array<std::string_view, 5> circular_words{"omega", "w", "ω", "omega_rad_s",
+                                                         "w_rad_s"};
 struct PartEndings {
   std::string_view real, imaginary;
 };

@@ -9,10 +9,10 @@
 #include <optional>
 #include <utility>
 
+#include "axis_units.hpp"
 #include "channel_units.hpp"
 #include "formats.hpp"
 #include "hydrapod/base/text.hpp"
-#include "hydrapod/base/units.hpp"
 #include "hydrapod/data/frequency_response.hpp"
 #include "response_comments.hpp"
 #include "response_files.hpp"
@@ -113,20 +113,17 @@ class ResponseTable {
 
  private:
   void read_rows() {
-    const ChannelUnit unit = channel_unit(columns_[frequency_column_].unit);
-    const bool circular = unit.unit == "rad/s";
-    if (!circular && unit.unit != "Hz" && unit.unit != "s^-1" && unit.unit != "1/s")
-      notes_.fail(
-          fmt::format("the unit \"{}\" of the frequencies is unknown; accepted are Hz, kHz "
-                      "and rad/s",
-                      base::printable(columns_[frequency_column_].unit)));
-    const double factor = unit.factor / (circular ? base::two_pi : 1.0);
+    const TableColumn& column = columns_[frequency_column_];
+    const auto hertz = hertz_of(column.unit, column.circular);
+    if (!hertz)
+      notes_.fail(fmt::format("the unit \"{}\" of the frequencies {}", base::printable(column.unit),
+                              frequency_problem(column.unit)));
     table_.go_to(*head_.first_row);
     std::string_view line;
     constexpr std::size_t most = std::size_t{1} << 27U;  // numbers, 1 GiB
     while (table_.next_line(line)) {
       if (!take_row(line)) continue;
-      rows_.back()[frequency_column_] *= factor;
+      rows_.back()[frequency_column_] *= *hertz;
       require_ascending();
       if (rows_.size() * head_.columns > most)
         notes_.fail("the table is larger than fits into memory", table_.line());

@@ -126,5 +126,15 @@ TEST_F(ResponseTable, AsARecordItPointsToIdentify) {
               HasSubstr("holds frequency responses, no samples over time; `hydrapod identify`"));
 }
 
+TEST_F(ResponseTable, OmegaIsInRadiansPerSecond) {
+  for (const char* title : {"omega", "omega [rad/s]", "Omega [1/s]", "omega (s^-1)", "w", "ω"}) {
+    const auto all = read(fmt::format("{},re a/F,im a/F\n10,1,2\n20,3,4\n", title));
+    EXPECT_NEAR(all.frequency[1], 10.0 / std::numbers::pi, 1e-14) << title;
+  }
+  EXPECT_EQ(read("omega [Hz],re a/F,im a/F\n10,1,2\n20,3,4\n").frequency[1], 20.0);
+  EXPECT_THAT(refusal("frequency [1/s],re a/F,im a/F\n10,1,2\n20,3,4\n").message,
+              HasSubstr("the unit \"1/s\" of the frequencies may mean Hz or rad/s"));
+}
+
 }  // namespace
 }  // namespace hydrapod::test
