@@ -73,6 +73,9 @@ class UffReader final : public RecordReader {
         continue;
       }
       if (!f.is_even && !make_even(f)) continue;
+      const double factor = uff_seconds(f, notes_);
+      f.first *= factor;
+      f.step *= factor;
       if (chosen_.empty() || same_sampling(f)) chosen_.push_back(f);
     }
     if (others > 0)
