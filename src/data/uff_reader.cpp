@@ -134,6 +134,7 @@ class UffReader final : public RecordReader {
   void make_header() {
     const UffFunction& first = chosen_.front();
     header_.sample_rate = rounded_rate(1.0 / first.step, rate_tolerance);
+    rate_key_ = "abscissa increment";
     header_.start = first.first;
     header_.title = given(contents_.model_name);
     header_.date = date_of(first);
