@@ -101,6 +101,14 @@ bool holds_own_responses(const VariableFile& file) {
   return is_text(file.variables(), "format", responses_mark);
 }
 
+void require_imaginary_parts(const FrequencyResponses& all, const Notes& notes) {
+  const auto is_real = [](const Eigen::MatrixXcd& H) { return H.imag().isZero(0.0); };
+  if (std::ranges::all_of(all.H, is_real))
+    notes.fail(
+        "all imaginary parts are 0: these are magnitudes, or real parts alone; expected are "
+        "frequency responses with their phases");
+}
+
 bool holds_responses(VariableFile& file) {
   const auto& all = file.variables();
   if (holds_own_responses(file)) return true;

@@ -212,6 +212,7 @@ class ArrayReader {
       take_lists(arrays, all);
     else
       refuse_several(arrays);
+    require_imaginary_parts(all, notes_);
     return all;
   }
 

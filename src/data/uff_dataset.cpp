@@ -130,8 +130,13 @@ UffPlace uff_place(const Channel& channel) {
 ChannelUnit uff_unit(const UffAxis& axis, int direction, const std::optional<UffUnits>& units,
                      Notes& notes) {
   const bool labelled = !given(axis.unit).empty();
+  const bool named = axis.quantity <= uff_quantity::general && is_force(given(axis.label));
+  const bool force_there = named || axis.quantity == uff_quantity::excitation_force ||
+                           axis.quantity == uff_quantity::reaction_force;
   if (labelled) {
-    const ChannelUnit by_label = channel_unit(axis.unit);
+    const bool pounds = is_pounds(axis.unit) && force_there;
+    if (pounds) notes.add(pounds_of_force(axis.unit), 0, 0, "pounds");
+    const ChannelUnit by_label = channel_unit(pounds ? "lbf" : axis.unit);
     if (by_label.known) return by_label;
   }
   int length = axis.length_exponent, force = axis.force_exponent;

@@ -162,6 +162,12 @@ class ResponseReader {
                               "abscissa is time (specific data type 17); expected is 18, frequency",
                               f.dataset),
                   f.line);
+    if (!f.is_complex)
+      notes_.fail(fmt::format("dataset {} is a frequency response (function type 4) of real "
+                              "numbers (data type {}), without phases; expected are complex ones "
+                              "(data type 5 or 6)",
+                              f.dataset, f.is_double ? 4 : 2),
+                  f.line);
   }
 
   void take_response(const UffFunction& f) {
@@ -169,7 +175,10 @@ class ResponseReader {
     Curve curve;
     if (!values_of(f, curve.values)) return;
     const ChannelUnit up = uff_unit(f.ordinate, f.response.direction, f.units, notes_);
-    const ChannelUnit down = uff_unit(f.denominator, f.reference.direction, f.units, notes_);
+    UffAxis below = f.denominator;
+    if (is_pounds(below.unit) && below.quantity <= uff_quantity::general)
+      below.quantity = uff_quantity::excitation_force;
+    const ChannelUnit down = uff_unit(below, f.reference.direction, f.units, notes_);
     const double factor = up.factor / down.factor;
     if (factor != 1.0) {
       for (auto& value : curve.values) value *= factor;

@@ -429,7 +429,7 @@ class VariablesReader final : public RecordReader {
     header_.sample_rate = grid.rate;
     header_.start = grid.start;
     if (times.unit.empty() && time_origin_ == 0.0)
-      note_assumed_seconds(grid.rate, "--rate states another rate", notes_);
+      note_assumed_seconds(grid.rate, length_, "--rate states another rate", notes_);
     if (grid.complete) return;
     if (grid.resolution)
       grid.resolution = [digits = single ? 1.2e-7 : 0.0](double t) { return digits * std::abs(t); };

@@ -412,5 +412,18 @@ TEST(Uff, TimesAreInTheUnitOfTheirLabel) {
               testing::HasSubstr("the unit of its abscissa is \"Hz\"; accepted are s, ms and us"));
 }
 
+TEST(Uff, RealFrequencyResponsesAreRefused) {
+  EXPECT_THAT(refusal_of([] { read_responses(response("Hz", "N", "2")); }).message,
+              testing::HasSubstr("is a frequency response (function type 4) of real numbers (data "
+                                 "type 2), without phases; expected are complex ones"));
+}
+
+TEST(Uff, PoundsOfAForceAreForces) {
+  const auto [all, notes] = read_responses(response("Hz", "lb"));
+  EXPECT_EQ(all.inputs.at(0).unit, "N");
+  EXPECT_NEAR(all.H[0](0, 0).real(), -3.81956 / 4.4482216152605, 1e-12);
+  EXPECT_THAT(messages(notes), testing::Contains("\"lb\" is taken for lbf, pounds of force"));
+}
+
 }  // namespace
 }  // namespace hydrapod::test
