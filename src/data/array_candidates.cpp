@@ -26,7 +26,8 @@ constexpr std::array<std::string_view, 15> hertz_words{"f",
                                                        "freq_vector",
                                                        "frequency_vector",
                                                        "freq_vector_hz"};
-constexpr std::array<std::string_view, 4> circular_words{"omega", "w", "omega_rad_s", "w_rad_s"};
+constexpr std::array<std::string_view, 5> circular_words{"omega", "w", "ω", "omega_rad_s",
+                                                         "w_rad_s"};
 struct PartEndings {
   std::string_view real, imaginary;
 };
@@ -98,6 +99,14 @@ std::vector<std::size_t> frequency_lists(const VariableFile& file,
 
 bool holds_own_responses(const VariableFile& file) {
   return is_text(file.variables(), "format", responses_mark);
+}
+
+void require_imaginary_parts(const FrequencyResponses& all, const Notes& notes) {
+  const auto is_real = [](const Eigen::MatrixXcd& H) { return H.imag().isZero(0.0); };
+  if (std::ranges::all_of(all.H, is_real))
+    notes.fail(
+        "all imaginary parts are 0: these are magnitudes, or real parts alone; expected are "
+        "frequency responses with their phases");
 }
 
 bool holds_responses(VariableFile& file) {

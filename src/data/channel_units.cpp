@@ -20,9 +20,10 @@ struct Alias {
 };
 constexpr std::array aliases{
     Alias{"-", "1"}, Alias{"Nm", "N m"}, Alias{"kNm", "kN m"}, Alias{"sec", "s"},
-    Alias{"msec", "ms"}, Alias{"grad", "deg"}, Alias{"Grad", "deg"}, Alias{"°", "deg"},
-    Alias{"deg/sec", "deg/s"}, Alias{"m/sec", "m/s"}, Alias{"l/min", "litre/minute"},
-    Alias{"m/sec^2", "m/s^2"}, Alias{"mm/sec", "mm/s"}, Alias{"kp", "kgf"},
+    Alias{"msec", "ms"}, Alias{"grad", "grade"}, Alias{"gon", "grade"}, Alias{"Grad", "deg"},
+    Alias{"°", "deg"}, Alias{"deg/sec", "deg/s"}, Alias{"m/sec", "m/s"},
+    Alias{"l/min", "litre/minute"}, Alias{"m/sec^2", "m/s^2"}, Alias{"mm/sec", "mm/s"},
+    Alias{"kp", "kgf"},
     // nobody measures in powers of milliseconds
     Alias{"ms-1", "m/s"}, Alias{"ms^-1", "m/s"}, Alias{"ms⁻¹", "m/s"}, Alias{"ms-2", "m/s^2"},
     Alias{"ms^-2", "m/s^2"}, Alias{"ms⁻²", "m/s^2"}, Alias{"mms-1", "mm/s"},
@@ -121,7 +122,18 @@ bool has_odd_symbol(std::string_view unit) {
   return is_odd;
 }
 
-/// Does the name of a channel say that it is a force?
+}  // namespace
+
+bool is_pounds(std::string_view written) {
+  written = base::trimmed(written);
+  return written == "lb" || written == "lbs";
+}
+
+std::string pounds_of_force(std::string_view written) {
+  return fmt::format("\"{}\" is taken for lbf, pounds of force",
+                     base::printable(base::trimmed(written)));
+}
+
 bool is_force(const std::string& name) {
   const std::string low = base::lower_case(name);
   for (const std::string_view word : {"force", "load", "kraft", "hammer", "impact", "thrust"})
@@ -129,8 +141,6 @@ bool is_force(const std::string& name) {
   if (low.empty() || low[0] != 'f') return false;
   return low.find_first_not_of("0123456789xyz _-+", 1) == low.npos;
 }
-
-}  // namespace
 
 ChannelUnit channel_unit(std::string_view written) {
   std::string unit(base::trimmed(clean_text(written)));
@@ -178,12 +188,11 @@ double use_unit(Channel& channel, const ChannelUnit& unit, const std::string& wr
 std::vector<double> to_si(std::vector<Channel>& channels, Notes& notes, bool by_hydrapod) {
   std::vector<double> factors;
   for (Channel& channel : channels) {
-    const std::string_view written = base::trimmed(channel.unit);
-    const bool pounds =
-        !by_hydrapod && (written == "lb" || written == "lbs") && is_force(channel.name);
+    const bool pounds = !by_hydrapod && is_pounds(channel.unit) &&
+                        (is_force(channel.name) || channel.role == Role::excitation);
     if (pounds)
-      notes.add(fmt::format("channel \"{}\": \"{}\" is taken for lbf, pounds of force",
-                            base::printable(channel.name), base::printable(written)));
+      notes.add(fmt::format("channel \"{}\": {}", base::printable(channel.name),
+                            pounds_of_force(channel.unit)));
     ChannelUnit unit = channel_unit(pounds ? "lbf" : channel.unit);
     unit.known = unit.known || by_hydrapod;
     factors.push_back(use_unit(channel, unit, channel.unit, notes));

@@ -23,6 +23,13 @@ struct ChannelUnit {
 /// aside.
 ChannelUnit channel_unit(std::string_view written);
 
+/// "lb", "lbs": of a force they are lbf.
+bool is_pounds(std::string_view written);
+/// What is said then.
+std::string pounds_of_force(std::string_view written);
+/// Does the name of a channel say that it is a force?
+bool is_force(const std::string& name);
+
 /// Gives `channel` its unit and returns the factor of its samples. A conversion is noted, and a
 /// unit that is not known; `written` is what the file has, if it is to be named.
 double use_unit(Channel& channel, const ChannelUnit& unit, const std::string& written,
@@ -30,7 +37,7 @@ double use_unit(Channel& channel, const ChannelUnit& unit, const std::string& wr
 
 /// Turns the units of `channels`, as the file has them, into SI and returns the factors of their
 /// samples. What was converted is noted, and what is not understood too, unless hydrapod wrote the
-/// file. "lb" of a channel that is a force by its name is lbf.
+/// file. "lb" of a channel that is a force by its name, or an excitation, is lbf.
 std::vector<double> to_si(std::vector<Channel>& channels, Notes& notes, bool by_hydrapod);
 
 /// Names as a record wants them: none empty, one line, unique ("pressure", "pressure (2)").

@@ -342,12 +342,16 @@ class CsvReader final : public RecordReader {
     std::optional<StatedRate> stated;
     if (options.sample_rate)
       stated = {*options.sample_rate, fmt::format("--rate {}", *options.sample_rate)};
+    std::uint64_t rows = 0;
     const TimeSource source{
-        [this](const TimeSource::Use& use) {
+        [&](const TimeSource::Use& use) {
           to_first_sample();
+          rows = 0;
           for (std::string_view line; next_line(line, false);)
-            if (!may_be_cut(base::table_cells(line, table_.style.separator).size() == columns_))
+            if (!may_be_cut(base::table_cells(line, table_.style.separator).size() == columns_)) {
+              ++rows;
               use(times_->time(line, table_.style), table_.line());
+            }
         },
         [this](double time) { return times_->resolution(time); }};
     const TimeGrid grid = find_time_grid(source, stated, notes_);
@@ -355,7 +359,7 @@ class CsvReader final : public RecordReader {
     header_.start = grid.start;
     header_.date = times_->date();
     if (assumed_seconds_ && !times_->stamps())
-      note_assumed_seconds(grid.rate, "a title such as \"time [ms]\" states another", notes_);
+      note_assumed_seconds(grid.rate, rows, "a title such as \"time [ms]\" states another", notes_);
     grid_.emplace(grid, static_cast<Eigen::Index>(header_.channels.size()));
   }
 

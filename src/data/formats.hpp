@@ -23,6 +23,7 @@ class RecordReader {
   virtual ~RecordReader() = default;
 
   [[nodiscard]] RecordFormat format() const { return format_; }
+  [[nodiscard]] const std::string& rate_key() const { return rate_key_; }
   [[nodiscard]] const RecordHeader& header() const { return header_; }
   [[nodiscard]] const std::vector<base::Diagnostic>& notes() const { return notes_.all(); }
   /// Not known before the end of a text file.
@@ -48,6 +49,9 @@ class RecordReader {
   /// are asked for than there are.
   virtual std::int64_t read_values(Eigen::Ref<Samples> block) = 0;
   virtual void to_first_sample() {}
+  /// Where the file states its sample rate, for messages.
+  std::string rate_key_{"sample_rate_hz"};
+
   /// Names become unique, units SI, and samples are then multiplied by what that takes.
   void settle_channels(bool by_hydrapod);
 

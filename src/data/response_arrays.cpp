@@ -9,9 +9,9 @@
 #include <optional>
 
 #include "array_candidates.hpp"
+#include "axis_units.hpp"
 #include "channel_units.hpp"
 #include "hydrapod/base/text.hpp"
-#include "hydrapod/base/units.hpp"
 #include "response_comments.hpp"
 #include "response_files.hpp"
 #include "variables_beside.hpp"
@@ -212,6 +212,7 @@ class ArrayReader {
       take_lists(arrays, all);
     else
       refuse_several(arrays);
+    require_imaginary_parts(all, notes_);
     return all;
   }
 
@@ -230,17 +231,12 @@ class ArrayReader {
 
   void take_frequencies(std::size_t variable, FrequencyResponses& all) {
     const Variable& v = variables()[variable];
-    const ChannelUnit unit = channel_unit(v.unit);
-    const bool circular = v.unit.empty() ? is_circular_frequency(v.name) : unit.unit == "rad/s";
-    const bool hertz = unit.unit == "Hz" || unit.unit == "s^-1" || unit.unit == "1/s";
-    if (!v.unit.empty() && !circular && !hertz)
-      notes_.fail(
-          fmt::format("the unit \"{}\" of the frequencies '{}' is unknown; accepted are Hz, "
-                      "kHz and rad/s",
-                      base::printable(v.unit), base::printable(v.name)));
-    const double factor = (v.unit.empty() ? 1.0 : unit.factor) / (circular ? base::two_pi : 1.0);
-    for (const Complex f : numbers(variable)) all.frequency.push_back(factor * f.real());
-    require_ascending(v.name, all.frequency, factor);
+    const auto hertz = hertz_of(v.unit, is_circular_frequency(v.name));
+    if (!hertz)
+      notes_.fail(fmt::format("the unit \"{}\" of the frequencies '{}' {}", base::printable(v.unit),
+                              base::printable(v.name), frequency_problem(v.unit)));
+    for (const Complex f : numbers(variable)) all.frequency.push_back(*hertz * f.real());
+    require_ascending(v.name, all.frequency, *hertz);
   }
 
   /// `factor`: [Hz] of the file's unit.

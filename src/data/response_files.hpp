@@ -4,6 +4,7 @@
 #include <string>
 
 #include "hydrapod/data/frequency_response.hpp"
+#include "notes.hpp"
 #include "variable_file.hpp"
 
 namespace hydrapod::data {
@@ -18,6 +19,9 @@ ReadFrequencyResponsesResult read_response_table(const std::string& path);
 /// long as a list of frequencies beside them and no times.
 bool holds_responses(VariableFile& file);
 ReadFrequencyResponsesResult read_response_arrays(const std::string& path, OpenVariableFile open);
+
+/// Fails where all imaginary parts are exactly 0: these are magnitudes, or real parts alone.
+void require_imaginary_parts(const FrequencyResponses& all, const Notes& notes);
 
 inline constexpr const char* responses_mark = "hydrapod responses";
 inline constexpr int responses_version = 1;

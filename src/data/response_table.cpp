@@ -9,10 +9,10 @@
 #include <optional>
 #include <utility>
 
+#include "axis_units.hpp"
 #include "channel_units.hpp"
 #include "formats.hpp"
 #include "hydrapod/base/text.hpp"
-#include "hydrapod/base/units.hpp"
 #include "hydrapod/data/frequency_response.hpp"
 #include "response_comments.hpp"
 #include "response_files.hpp"
@@ -51,8 +51,15 @@ struct ResponseUnit {
   ChannelUnit output{}, input{};
 };
 
+/// Nobody measures responses of masses, or to masses.
+ChannelUnit unit_of_response(const std::string& written, Notes& notes) {
+  if (!is_pounds(written)) return channel_unit(written);
+  notes.add(pounds_of_force(written), 0, 0, "pounds");
+  return channel_unit("lbf");
+}
+
 /// "m/s^2/N", "(m/s^2)/N", "g/N": the last slash parts them, unless a time stands behind it.
-ResponseUnit response_unit(std::string text) {
+ResponseUnit response_unit(std::string text, Notes& notes) {
   text = std::string(base::trimmed(text));
   const auto enclosed = [](std::string_view part) {
     part = base::trimmed(part);
@@ -65,11 +72,11 @@ ResponseUnit response_unit(std::string text) {
     if (text[k] == ')') ++depth;
     if (text[k] == '(') --depth;
     if (text[k] != '/' || depth != 0) continue;
-    const ChannelUnit below = channel_unit(enclosed(text.substr(k + 1)));
+    const ChannelUnit below = unit_of_response(enclosed(text.substr(k + 1)), notes);
     if (!below.known || below.unit == "s" || below.unit == "s^2") break;
-    return {channel_unit(enclosed(text.substr(0, k))), below};
+    return {unit_of_response(enclosed(text.substr(0, k)), notes), below};
   }
-  return {channel_unit(enclosed(text)), {}};
+  return {unit_of_response(enclosed(text), notes), {}};
 }
 
 class ResponseTable {
@@ -106,28 +113,29 @@ class ResponseTable {
           "a/F\")");
     frequency_column_ = static_cast<std::size_t>(
         std::ranges::find(columns_, TablePart::frequency, &TableColumn::part) - columns_.begin());
+    require_phase_units();
     read_rows();
     settle_phases();
-    return {assembled(), notes_.all()};
+    FrequencyResponses all = assembled();
+    if (!described_) require_imaginary_parts(all, notes_);
+    return {std::move(all), notes_.all()};
   }
 
  private:
   void read_rows() {
-    const ChannelUnit unit = channel_unit(columns_[frequency_column_].unit);
-    const bool circular = unit.unit == "rad/s";
-    if (!circular && unit.unit != "Hz" && unit.unit != "s^-1" && unit.unit != "1/s")
-      notes_.fail(
-          fmt::format("the unit \"{}\" of the frequencies is unknown; accepted are Hz, kHz "
-                      "and rad/s",
-                      base::printable(columns_[frequency_column_].unit)));
-    const double factor = unit.factor / (circular ? base::two_pi : 1.0);
+    const TableColumn& column = columns_[frequency_column_];
+    const auto hertz = hertz_of(column.unit, column.circular);
+    if (!hertz)
+      notes_.fail(fmt::format("the unit \"{}\" of the frequencies {}", base::printable(column.unit),
+                              frequency_problem(column.unit)));
     table_.go_to(*head_.first_row);
     std::string_view line;
     constexpr std::size_t most = std::size_t{1} << 27U;  // numbers, 1 GiB
     while (table_.next_line(line)) {
       if (!take_row(line)) continue;
-      rows_.back()[frequency_column_] *= factor;
+      rows_.back()[frequency_column_] *= *hertz;
       require_ascending();
+      require_magnitudes();
       if (rows_.size() * head_.columns > most)
         notes_.fail("the table is larger than fits into memory", table_.line());
     }
@@ -177,6 +185,34 @@ class ResponseTable {
           table_.line());
   }
 
+  [[nodiscard]] bool is_decibel(const PairColumns& pair) const {
+    return base::lower_case(columns_[pair.first].unit).starts_with("db");
+  }
+
+  void require_phase_units() {
+    for (const PairColumns& pair : pairs_) {
+      const std::string& unit = columns_[pair.second].unit;
+      if (!pair.polar || unit.empty()) continue;
+      if (!radians_of(unit))
+        notes_.fail(fmt::format("the unit \"{}\" of the phase \"{}\" is unknown; accepted are deg, "
+                                "rad and gon",
+                                base::printable(unit, 30), base::printable(pair.name)),
+                    head_.texts.empty() ? 0 : head_.texts.back().number,
+                    columns_[pair.second].column);
+      if (base::trimmed(unit) == "grad")
+        notes_.add("phases in \"grad\" are taken for gon, 400 per turn", 0, 0, "grad");
+    }
+  }
+
+  void require_magnitudes() const {
+    for (const PairColumns& pair : pairs_)
+      if (pair.polar && !is_decibel(pair) && rows_.back()[pair.first] < 0.0)
+        notes_.fail(fmt::format("the magnitude \"{}\" is {}, and must not be below 0; is it in dB? "
+                                "Title it [dB]",
+                                base::printable(pair.name), rows_.back()[pair.first]),
+                    table_.line());
+  }
+
   /// Phases without a unit are degrees where they go up to some 180 or 360; else nobody knows.
   void settle_phases() {
     for (const PairColumns& pair : pairs_) {
@@ -199,10 +235,9 @@ class ResponseTable {
   [[nodiscard]] std::complex<double> value(const PairColumns& pair,
                                            const std::vector<double>& row) const {
     if (!pair.polar) return {row[pair.first], row[pair.second]};
-    const bool decibel = base::lower_case(columns_[pair.first].unit).starts_with("db");
-    const double magnitude = decibel ? std::pow(10.0, row[pair.first] / 20.0) : row[pair.first];
-    return std::polar(1.0, channel_unit(columns_[pair.second].unit).factor * row[pair.second]) *
-           magnitude;
+    const double magnitude =
+        is_decibel(pair) ? std::pow(10.0, row[pair.first] / 20.0) : row[pair.first];
+    return std::polar(1.0, *radians_of(columns_[pair.second].unit) * row[pair.second]) * magnitude;
   }
 
   static std::size_t number_of(const Channel& channel, std::vector<Channel>& channels) {
@@ -225,7 +260,7 @@ class ResponseTable {
       const std::size_t re = lower.find("re");
       written = re == lower.npos ? "" : written.substr(re + 2);
     }
-    const ResponseUnit unit = response_unit(written);
+    const ResponseUnit unit = response_unit(written, notes_);
     const double factor = unit.output.factor / unit.input.factor;
     if (factor != 1.0)
       notes_.add(fmt::format("\"{}\": \"{}\" converted to SI, times {}", base::printable(pair.name),

@@ -15,19 +15,31 @@ struct PartWord {
   std::string_view word;
   TablePart part;
 };
-constexpr std::array part_words{
-    PartWord{"real", TablePart::real},           PartWord{"re", TablePart::real},
-    PartWord{"imaginary", TablePart::imaginary}, PartWord{"imag", TablePart::imaginary},
-    PartWord{"im", TablePart::imaginary},        PartWord{"magnitude", TablePart::magnitude},
-    PartWord{"mag", TablePart::magnitude},       PartWord{"abs", TablePart::magnitude},
-    PartWord{"amplitude", TablePart::magnitude}, PartWord{"amp", TablePart::magnitude},
-    PartWord{"modulus", TablePart::magnitude},   PartWord{"betrag", TablePart::magnitude},
-    PartWord{"phase", TablePart::phase},         PartWord{"arg", TablePart::phase},
-    PartWord{"angle", TablePart::phase},         PartWord{"deviation", TablePart::deviation},
-    PartWord{"coherence", TablePart::coherence}, PartWord{"coh", TablePart::coherence},
-    PartWord{"frequency", TablePart::frequency}, PartWord{"freq", TablePart::frequency},
-    PartWord{"frequenz", TablePart::frequency},  PartWord{"omega", TablePart::frequency},
-    PartWord{"time", TablePart::time},           PartWord{"zeit", TablePart::time}};
+constexpr std::array part_words{PartWord{"real", TablePart::real},
+                                PartWord{"re", TablePart::real},
+                                PartWord{"imaginary", TablePart::imaginary},
+                                PartWord{"imag", TablePart::imaginary},
+                                PartWord{"im", TablePart::imaginary},
+                                PartWord{"magnitude", TablePart::magnitude},
+                                PartWord{"mag", TablePart::magnitude},
+                                PartWord{"abs", TablePart::magnitude},
+                                PartWord{"amplitude", TablePart::magnitude},
+                                PartWord{"amp", TablePart::magnitude},
+                                PartWord{"modulus", TablePart::magnitude},
+                                PartWord{"betrag", TablePart::magnitude},
+                                PartWord{"phase", TablePart::phase},
+                                PartWord{"arg", TablePart::phase},
+                                PartWord{"angle", TablePart::phase},
+                                PartWord{"deviation", TablePart::deviation},
+                                PartWord{"coherence", TablePart::coherence},
+                                PartWord{"coh", TablePart::coherence},
+                                PartWord{"frequency", TablePart::frequency},
+                                PartWord{"freq", TablePart::frequency},
+                                PartWord{"frequenz", TablePart::frequency},
+                                PartWord{"omega", TablePart::frequency},
+                                PartWord{"ω", TablePart::frequency},
+                                PartWord{"time", TablePart::time},
+                                PartWord{"zeit", TablePart::time}};
 
 bool is_letter(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || static_cast<unsigned char>(c) >= 0x80;
@@ -50,6 +62,19 @@ TablePart take_part(std::string& text) {
     return found->part;
   }
   return TablePart::none;
+}
+
+/// Is one of the words of a title omega?
+bool names_omega(std::string_view title) {
+  const std::string lower = base::lower_case(std::string(title));
+  for (std::size_t begin = 0; begin < lower.size();) {
+    std::size_t end = begin;
+    while (end < lower.size() && is_letter(lower[end])) ++end;
+    const std::string_view word = std::string_view(lower).substr(begin, end - begin);
+    if (word == "omega" || word == "ω") return true;
+    begin = end + 1;
+  }
+  return false;
 }
 
 /// "H11 [m/N]", "H11 (m/N)"; "H11 (real)" and "Re(H11)" have no unit.
@@ -95,6 +120,7 @@ TableColumn table_column(const base::TableCell& cell) {
   TableColumn column{.name = clean_text(cell.text), .column = cell.column};
   column.group = take_group(column.name);
   take_unit(column);
+  column.circular = names_omega(column.name);
   column.part = take_part(column.name);
   column.name = bare_name(column.name);
   const std::string lower = base::lower_case(column.name);
@@ -103,10 +129,14 @@ TableColumn table_column(const base::TableCell& cell) {
       column.unit = unit == "rad" ? "rad" : "deg";
       column.name = bare_name(column.name.substr(0, column.name.size() - unit.size()));
     }
-  const bool hertz = lower == "hz" || lower == "khz" || column.unit == "Hz" || column.unit == "kHz";
-  if (column.part == TablePart::none && (hertz || lower == "f")) column.part = TablePart::frequency;
+  const std::string unit = base::lower_case(column.unit);
+  const bool hertz = lower == "hz" || lower == "khz" || unit == "hz" || unit == "khz";
+  const bool circular = lower == "w" && column.part == TablePart::none;
+  column.circular = column.circular || circular;
+  if (column.part == TablePart::none && (hertz || circular || lower == "f"))
+    column.part = TablePart::frequency;
   if (column.part == TablePart::frequency && column.unit.empty())
-    column.unit = lower == "khz" ? "kHz" : lower == "rad_s" ? "rad/s" : "Hz";
+    column.unit = lower == "hz" ? "Hz" : lower == "khz" ? "kHz" : lower == "rad_s" ? "rad/s" : "";
   return column;
 }
 

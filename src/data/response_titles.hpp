@@ -32,6 +32,7 @@ struct TableColumn {
   std::string name{};
   std::string unit{};
   unsigned column{};  ///< of its title in the line
+  bool circular{};    ///< frequencies called omega: in rad/s, unless their unit says otherwise
 };
 
 /// A title of any program.

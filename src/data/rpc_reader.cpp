@@ -196,6 +196,7 @@ class RpcReader final : public RecordReader {
     if (!(step > 0.0)) header.refuse("DELTA_T", fmt::format("{}", step), "it must be positive");
     constexpr double digits = 1e-6;  // DELTA_T has seven digits
     header_.sample_rate = rounded_rate(1.0 / step, digits);
+    rate_key_ = "DELTA_T";
     std::int64_t declared = header.whole("FRAMES", 0, most_points / frame) * frame;
     const bool half_frames = declared > 0 && header.whole("HALF_FRAMES", 0, 1, 0) == 1;
     begin_ = header.bytes();

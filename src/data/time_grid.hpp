@@ -109,7 +109,8 @@ class GridRows {
 };
 
 /// A note where times without a unit, taken for seconds, make a rate at which nobody records
-/// vibrations. `remedy`: what states another unit.
-void note_assumed_seconds(double rate, std::string_view remedy, Notes& notes);
+/// vibrations, or few who take many samples. `remedy`: what states another unit.
+void note_assumed_seconds(double rate, std::uint64_t samples, std::string_view remedy,
+                          Notes& notes);
 
 }  // namespace hydrapod::data

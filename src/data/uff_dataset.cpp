@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 
+#include "axis_units.hpp"
 #include "hydrapod/base/text.hpp"
 #include "uff_text.hpp"
 
@@ -48,6 +49,24 @@ std::string powers(int length, int force) {
     text += power == 1 ? unit : fmt::format("{}^{}", unit, power);
   }
   return text;
+}
+
+/// `known`: what one of the unit is in `unit`.
+double abscissa_factor(const UffFunction& f, const std::optional<double>& known, const char* unit,
+                       const char* accepted, Notes& notes) {
+  const std::string& label = f.abscissa.unit;
+  const std::string plain = plain_unit(label);
+  if (plain.empty() || plain == "none" || plain == "-") return 1.0;
+  if (known) return *known;
+  const std::string name = base::printable(label, 30);
+  if (channel_unit(label).known)
+    notes.fail(fmt::format("dataset {}: the unit of its abscissa is \"{}\"; accepted are {}",
+                           f.dataset, name, accepted),
+               f.line);
+  notes.add(fmt::format("dataset {}: the unit \"{}\" of its abscissa is unknown: taken for {}",
+                        f.dataset, name, unit),
+            f.line, 0, "abscissa");
+  return 1.0;
 }
 
 constexpr int first_leg = static_cast<int>(Direction::leg1);
@@ -111,8 +130,13 @@ UffPlace uff_place(const Channel& channel) {
 ChannelUnit uff_unit(const UffAxis& axis, int direction, const std::optional<UffUnits>& units,
                      Notes& notes) {
   const bool labelled = !given(axis.unit).empty();
+  const bool named = axis.quantity <= uff_quantity::general && is_force(given(axis.label));
+  const bool force_there = named || axis.quantity == uff_quantity::excitation_force ||
+                           axis.quantity == uff_quantity::reaction_force;
   if (labelled) {
-    const ChannelUnit by_label = channel_unit(axis.unit);
+    const bool pounds = is_pounds(axis.unit) && force_there;
+    if (pounds) notes.add(pounds_of_force(axis.unit), 0, 0, "pounds");
+    const ChannelUnit by_label = channel_unit(pounds ? "lbf" : axis.unit);
     if (by_label.known) return by_label;
   }
   int length = axis.length_exponent, force = axis.force_exponent;
@@ -136,6 +160,15 @@ ChannelUnit uff_unit(const UffAxis& axis, int direction, const std::optional<Uff
               0, 0, labelled ? "unknown label" : "no units");
   if (!units) return {1.0, unit};
   return {1.0 / (std::pow(units->length, length) * std::pow(units->force, force)), unit};
+}
+
+double uff_hertz(const UffFunction& function, Notes& notes) {
+  return abscissa_factor(function, hertz_of(function.abscissa.unit, false), "Hz",
+                         "Hz, kHz, rad/s and rpm", notes);
+}
+
+double uff_seconds(const UffFunction& function, Notes& notes) {
+  return abscissa_factor(function, seconds_of(function.abscissa.unit), "s", "s, ms and us", notes);
 }
 
 UffAxis uff_axis_of(const std::string& label, const std::string& unit) {

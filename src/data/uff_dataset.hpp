@@ -135,6 +135,10 @@ void name_by_place(std::vector<Channel>& channels);
 /// the exponents of its quantity. Without dataset 164 SI is assumed, and noted.
 ChannelUnit uff_unit(const UffAxis& axis, int direction, const std::optional<UffUnits>& units,
                      Notes& notes);
+/// What one of the abscissa is in Hz or in seconds, by its unit label; none, "NONE" and one that is
+/// not known, which is noted, are Hz or s. Another unit is refused.
+double uff_hertz(const UffFunction& function, Notes& notes);
+double uff_seconds(const UffFunction& function, Notes& notes);
 /// Quantity, exponents and label of an axis that shows `unit`, a coherent SI unit.
 UffAxis uff_axis_of(const std::string& label, const std::string& unit);
 

@@ -73,6 +73,9 @@ class UffReader final : public RecordReader {
         continue;
       }
       if (!f.is_even && !make_even(f)) continue;
+      const double factor = uff_seconds(f, notes_);
+      f.first *= factor;
+      f.step *= factor;
       if (chosen_.empty() || same_sampling(f)) chosen_.push_back(f);
     }
     if (others > 0)
@@ -131,6 +134,7 @@ class UffReader final : public RecordReader {
   void make_header() {
     const UffFunction& first = chosen_.front();
     header_.sample_rate = rounded_rate(1.0 / first.step, rate_tolerance);
+    rate_key_ = "abscissa increment";
     header_.start = first.first;
     header_.title = given(contents_.model_name);
     header_.date = date_of(first);

@@ -126,12 +126,13 @@ class ResponseReader {
   /// Frequencies and values; false where the frequencies are not those of the first function.
   bool values_of(const UffFunction& f, std::vector<std::complex<double>>& values) {
     UffValues reader(file_, f);
+    const double hertz = uff_hertz(f, notes_);
     std::vector<double> frequency;
     for (std::uint64_t k = 0; k < f.count; ++k) {
       double at = f.first + static_cast<double>(k) * f.step, real = uff_missing, imaginary = 0.0;
       if (!f.is_even && !reader.next(at, notes_)) break;
       if (!reader.next(real, notes_) || (f.is_complex && !reader.next(imaginary, notes_))) break;
-      frequency.push_back(at);
+      frequency.push_back(hertz * at);
       values.emplace_back(real, imaginary);
     }
     const bool ascending =
@@ -155,11 +156,29 @@ class ResponseReader {
     return same;
   }
 
+  void require_response(const UffFunction& f) const {
+    if (f.abscissa.quantity == uff_quantity::time)
+      notes_.fail(fmt::format("dataset {} is a frequency response (function type 4), but its "
+                              "abscissa is time (specific data type 17); expected is 18, frequency",
+                              f.dataset),
+                  f.line);
+    if (!f.is_complex)
+      notes_.fail(fmt::format("dataset {} is a frequency response (function type 4) of real "
+                              "numbers (data type {}), without phases; expected are complex ones "
+                              "(data type 5 or 6)",
+                              f.dataset, f.is_double ? 4 : 2),
+                  f.line);
+  }
+
   void take_response(const UffFunction& f) {
+    require_response(f);
     Curve curve;
     if (!values_of(f, curve.values)) return;
     const ChannelUnit up = uff_unit(f.ordinate, f.response.direction, f.units, notes_);
-    const ChannelUnit down = uff_unit(f.denominator, f.reference.direction, f.units, notes_);
+    UffAxis below = f.denominator;
+    if (is_pounds(below.unit) && below.quantity <= uff_quantity::general)
+      below.quantity = uff_quantity::excitation_force;
+    const ChannelUnit down = uff_unit(below, f.reference.direction, f.units, notes_);
     const double factor = up.factor / down.factor;
     if (factor != 1.0) {
       for (auto& value : curve.values) value *= factor;

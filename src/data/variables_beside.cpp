@@ -4,7 +4,10 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
+#include <utility>
 
+#include "axis_units.hpp"
 #include "channel_units.hpp"
 #include "formats.hpp"
 #include "hydrapod/base/text.hpp"
@@ -57,6 +60,8 @@ constexpr std::array companions{
 /// Endings of what stands beside samples and states their sampling.
 constexpr std::array<std::string_view, 3> sampling_groups{".x_values", "_header", ".x"};
 
+constexpr double unusable = std::numeric_limits<double>::quiet_NaN();
+
 /// Does a variable with this name state something of `samples`?
 bool is_beside(const std::string& name, const std::vector<std::string>& samples) {
   const std::size_t at = name.find_last_of("/.");
@@ -95,17 +100,28 @@ bool is_time_variable(const std::string& name) { return is_one_of(time_words, na
 bool is_start_name(const std::string& name) { return is_one_of(start_words, name); }
 
 std::vector<RateVariable> rates_beside(const std::vector<Variable>& variables,
-                                       const std::vector<std::string>& samples) {
+                                       const std::vector<std::string>& samples,
+                                       const Notes& notes) {
   std::vector<RateVariable> beside, others;
   for (const Variable& v : variables) {
     if (v.kind != VariableKind::numbers || v.fast * v.slow != 1) continue;
     if (!std::isfinite(v.number) || v.number <= 0.0) continue;
     auto& list = is_beside(v.name, samples) ? beside : others;
     constexpr double near = 1e-9;  // 1/0.01 is 100
-    if (is_one_of(rate_words, v.name)) list.push_back({v.number, v.name});
-    if (is_one_of(step_words, v.name)) list.push_back({rounded_rate(1.0 / v.number, near), v.name});
+    if (is_one_of(rate_words, v.name))
+      list.push_back({v.number * rate_of(v.unit).value_or(unusable), v.name, v.unit, "Hz, kHz"});
+    if (is_one_of(step_words, v.name)) {
+      const double step = v.number * seconds_of(v.unit).value_or(unusable);
+      list.push_back({rounded_rate(1.0 / step, near), v.name, v.unit, "s, ms"});
+    }
   }
-  return beside.empty() ? others : beside;
+  auto& chosen = beside.empty() ? others : beside;
+  for (const RateVariable& rate : chosen)
+    if (std::isnan(rate.hertz))
+      notes.fail(fmt::format("'{}' states the sampling in the unit \"{}\"; accepted are {}",
+                             base::printable(rate.name), base::printable(rate.unit, 30),
+                             rate.accepted));
+  return std::move(chosen);
 }
 
 ChannelTexts texts_beside(const std::vector<Variable>& variables, const std::string& samples,

@@ -21,14 +21,15 @@ bool is_start_name(const std::string& name);
 
 /// A sample rate that a variable states.
 struct RateVariable {
-  double hertz{};
-  std::string name{};
+  double hertz{};  ///< NaN: its unit is of something else
+  std::string name{}, unit{};
+  const char* accepted{};  ///< units
 };
 
 /// All of them; where some stand beside the arrays `samples`, in their group or structure or on
-/// top, only these.
+/// top, only these. Fails where one of them is in a unit that is none of a rate or of a time.
 std::vector<RateVariable> rates_beside(const std::vector<Variable>& variables,
-                                       const std::vector<std::string>& samples);
+                                       const std::vector<std::string>& samples, const Notes& notes);
 
 struct ChannelTexts {
   std::vector<std::string> names{}, units{};  ///< one per channel, or none at all

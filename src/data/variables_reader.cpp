@@ -8,6 +8,7 @@
 #include <map>
 #include <optional>
 
+#include "axis_units.hpp"
 #include "channel_roles.hpp"
 #include "channel_units.hpp"
 #include "formats.hpp"
@@ -366,7 +367,7 @@ class VariablesReader final : public RecordReader {
   void find_rate(const Variable* times, const ReadOptions& options) {
     std::vector<std::string> samples;
     for (const Source& source : sources_) samples.push_back(all()[source.variable].name);
-    const auto found = rates_beside(all(), samples);
+    const auto found = rates_beside(all(), samples, notes_);
     std::optional<StatedRate> stated;
     if (!found.empty())
       stated = {found[0].hertz, fmt::format("the variable '{}'", base::printable(found[0].name))};
@@ -382,12 +383,16 @@ class VariablesReader final : public RecordReader {
     const bool one = !found.empty() && std::ranges::all_of(found, [&](const RateVariable& rate) {
       return std::abs(rate.hertz - found[0].hertz) <= same * found[0].hertz;
     });
-    if (options.sample_rate && !one)
+    const auto agrees = [&](const RateVariable& rate) {
+      return std::abs(rate.hertz - *options.sample_rate) <= 1e-3 * rate.hertz;
+    };
+    if (!found.empty()) rate_key_ = found[0].name;
+    if (options.sample_rate && !one && (found.empty() || std::ranges::any_of(found, agrees)))
       stated = {*options.sample_rate, fmt::format("--rate {}", *options.sample_rate)};
     for (const Variable& v : all())
       if (v.kind == VariableKind::numbers && v.fast * v.slow == 1 && std::isfinite(v.number) &&
           is_start_name(v.name))
-        header_.start = v.number;
+        header_.start = v.number * seconds_of(v.unit).value_or(1.0);
     if (stated) header_.sample_rate = stated->rate;
     if (times != nullptr) return use_times(*times, stated);
     if (header_.sample_rate > 0.0) return;
@@ -424,7 +429,7 @@ class VariablesReader final : public RecordReader {
     header_.sample_rate = grid.rate;
     header_.start = grid.start;
     if (times.unit.empty() && time_origin_ == 0.0)
-      note_assumed_seconds(grid.rate, "--rate states another rate", notes_);
+      note_assumed_seconds(grid.rate, length_, "--rate states another rate", notes_);
     if (grid.complete) return;
     if (grid.resolution)
       grid.resolution = [digits = single ? 1.2e-7 : 0.0](double t) { return digits * std::abs(t); };

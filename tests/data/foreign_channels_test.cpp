@@ -1,5 +1,6 @@
 /// Channels of other programs: units as people write them, what is not used is said.
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <hdf5.h>
@@ -130,6 +131,14 @@ TEST(ForeignChannels, TimesWithoutAUnitThatMakeASlowRateAreNamed) {
   EXPECT_THAT(table("time [s],a\n" + rows).said, Not(Contains(HasSubstr("no unit"))));
   EXPECT_EQ(table("time [ms],a\n" + rows).record.header.sample_rate, 256.0);
   EXPECT_THAT(table("time,a\n0,1\n0.25,2\n0.5,4\n").said, Not(Contains(HasSubstr("no unit"))));
+}
+
+TEST(ForeignChannels, ManySamplesAtASlowRateAreNamed) {
+  std::string rows;
+  for (int k = 0; k < 2000; ++k) rows += fmt::format("{},{}\n", 0.25 * k, k % 7);
+  const auto slow = Contains(HasSubstr("taken for seconds, which makes 4 Hz"));
+  EXPECT_THAT(table("time,a\n" + rows).said, slow);
+  EXPECT_THAT(table("time [s],a\n" + rows).said, Not(slow));
 }
 
 TEST(ForeignChannels, LettersForForcesAndInputsAreInputs) {

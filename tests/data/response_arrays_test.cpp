@@ -445,5 +445,40 @@ TEST_F(ResponseArrays, CutOffAreAnErrorNotACrash) {
   }
 }
 
+TEST_F(ResponseArrays, WithoutImaginaryPartsAreRefused) {
+  auto values = by_columns(2, 1);
+  for (Complex& value : values) value = value.real();
+  write_mat(path("m.mat"), {mat_real("f", frequencies()), mat_complex("H", {2, 1, lines}, values)});
+  EXPECT_THAT(refusal(path("m.mat")), HasSubstr("all imaginary parts are 0"));
+}
+
+TEST_F(ResponseArrays, FrequenciesPerSecondAreCircularWhereTheyAreCalledOmega) {
+  std::vector<double> omega = frequencies();
+  for (double& w : omega) w *= 2.0 * std::numbers::pi;
+  for (const char* name : {"omega", "f"}) {
+    {
+      Hdf5File file(path("h.h5"));
+      file.write(name, H5T_NATIVE_DOUBLE, {lines}, omega.data());
+      file.attribute(name, "unit", std::string("1/s"));
+      file.write("H", pair_type(), {lines, 2, 3}, by_rows(2, 3).data());
+    }
+    if (name[0] == 'o')
+      expect_entries(data::read_frequency_responses(path("h.h5")).responses, 2, 3);
+    else
+      EXPECT_THAT(refusal(path("h.h5")), HasSubstr("may mean Hz or rad/s"));
+  }
+}
+
+TEST_F(ResponseArrays, PoundsOfInputsAreForces) {
+  write_mat(path("m.mat"),
+            {mat_real("f", frequencies()), mat_complex("H", {2, 1, lines}, by_columns(2, 1)),
+             mat_texts("output_units", {"m", "m"}), mat_texts("input_units", {"lb"})});
+  const auto [got, notes] = data::read_frequency_responses(path("m.mat"));
+  expect_entries(got, 2, 1, 1.0 / 4.4482216152605);
+  EXPECT_EQ(got.inputs[0].unit, "N");
+  EXPECT_THAT(messages(notes),
+              testing::Contains(HasSubstr("\"lb\" is taken for lbf, pounds of force")));
+}
+
 }  // namespace
 }  // namespace hydrapod::test

@@ -126,5 +126,66 @@ TEST_F(ResponseTable, AsARecordItPointsToIdentify) {
               HasSubstr("holds frequency responses, no samples over time; `hydrapod identify`"));
 }
 
+TEST_F(ResponseTable, OmegaIsInRadiansPerSecond) {
+  for (const char* title : {"omega", "omega [rad/s]", "Omega [1/s]", "omega (s^-1)", "w", "ω"}) {
+    const auto all = read(fmt::format("{},re a/F,im a/F\n10,1,2\n20,3,4\n", title));
+    EXPECT_NEAR(all.frequency[1], 10.0 / std::numbers::pi, 1e-14) << title;
+  }
+  EXPECT_EQ(read("omega [Hz],re a/F,im a/F\n10,1,2\n20,3,4\n").frequency[1], 20.0);
+  EXPECT_THAT(refusal("frequency [1/s],re a/F,im a/F\n10,1,2\n20,3,4\n").message,
+              HasSubstr("the unit \"1/s\" of the frequencies may mean Hz or rad/s"));
+}
+
+TEST_F(ResponseTable, PhasesAreInTheUnitOfTheirTitle) {
+  for (const auto& [unit, turn] : {std::pair{"deg", 360.0},
+                                   {"DEG", 360.0},
+                                   {"Deg", 360.0},
+                                   {"deg.", 360.0},
+                                   {"Degrees", 360.0},
+                                   {"°", 360.0},
+                                   {"º", 360.0},
+                                   {"Grad", 360.0},
+                                   {"gon", 400.0},
+                                   {"grad", 400.0},
+                                   {"rad", 2.0 * std::numbers::pi},
+                                   {"RAD", 2.0 * std::numbers::pi}}) {
+    const auto all = read(fmt::format("Hz,mag a/F,phase a/F [{}]\n1,2,{}\n2,1,{}\n", unit,
+                                      0.25 * turn, -0.125 * turn));
+    EXPECT_NEAR(std::arg(all.H[0](0, 0)), 0.5 * std::numbers::pi, 1e-14) << unit;
+    EXPECT_NEAR(std::arg(all.H[1](0, 0)), -0.25 * std::numbers::pi, 1e-14) << unit;
+  }
+  for (const char* unit : {"grd", "m", "GRAD"}) {
+    const auto refused = refusal(fmt::format("Hz,mag a/F,phase a/F [{}]\n1,2,90\n", unit));
+    EXPECT_EQ(refused.message,
+              fmt::format("the unit \"{}\" of the phase \"a/F\" is unknown; accepted are deg, rad "
+                          "and gon",
+                          unit));
+    EXPECT_EQ(refused.line, 1U);
+  }
+}
+
+TEST_F(ResponseTable, AMagnitudeBelowZeroIsRefused) {
+  const auto refused = refusal("Hz,mag a/F [m/N],phase a/F [deg]\n1,2,10\n2,-17.5,20\n");
+  EXPECT_THAT(refused.message, HasSubstr("the magnitude \"a/F\" is -17.5, and must not be below 0; "
+                                         "is it in dB? Title it [dB]"));
+  EXPECT_EQ(refused.line, 3U);
+  EXPECT_NEAR(std::abs(read("Hz,mag a/F [dB],phase a/F [deg]\n1,2,10\n2,-20,20\n").H[1](0, 0)), 0.1,
+              1e-15);
+}
+
+TEST_F(ResponseTable, WithoutImaginaryPartsIsRefused) {
+  EXPECT_THAT(refusal("Hz,re a/F,im a/F\n1,2,0\n2,3,0\n").message,
+              HasSubstr("all imaginary parts are 0"));
+  EXPECT_EQ(read("Hz,re a/F,im a/F\n1,2,0\n2,3,-1\n").H[0](0, 0), 2.0);
+}
+
+TEST_F(ResponseTable, PoundsAreForces) {
+  const std::string path = written("Hz,re a/F [g/lb],im a/F [g/lb]\n1,2,1\n2,3,-1\n");
+  const auto [all, notes] = data::read_frequency_responses(path);
+  EXPECT_EQ(all.inputs[0].unit, "N");
+  EXPECT_NEAR(all.H[0](0, 0).real(), 2.0 * 9.80665 / 4.4482216152605, 1e-12);
+  EXPECT_THAT(messages(notes), testing::Contains("\"lb\" is taken for lbf, pounds of force"));
+}
+
 }  // namespace
 }  // namespace hydrapod::test

@@ -7,8 +7,11 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <numbers>
 
+#include "hydrapod/data/frequency_response.hpp"
 #include "hydrapod/data/record_io.hpp"
+#include "said.hpp"
 #include "sample_record.hpp"
 #include "support/run_program.hpp"
 #include "uff_reference.hpp"
@@ -346,6 +349,80 @@ TEST(Uff, UnknownDatasetsAreSkippedWithANote) {
   EXPECT_EQ(notes[0].message,
             "dataset 1 has the number 2420, which is not read: skipped, and 1 more like it");
   EXPECT_EQ(record.samples.rows(), 3);
+}
+
+/// A frequency response of three lines as another program may write it.
+std::string response(const std::string& abscissa, const std::string& force = "N",
+                     const std::string& type = "5", int quantity = 18) {
+  const bool real = type == "2" || type == "4";
+  return fmt::format(
+      "    -1\n    58\nNONE\nNONE\nNONE\nNONE\nNONE\n"
+      "    4         1    0         0 NONE               1   1 NONE               1   1\n"
+      "{:>10}         3         1  1.00000E+00  5.00000E-01  0.00000E+00\n"
+      "{:10}    0    0    0 Frequency            {:20}\n"
+      "        12    0    0    0 Acceleration         m/s^2               \n"
+      "        13    0    0    0 Force                {:20}\n"
+      "         0    0    0    0 NONE                 NONE                \n"
+      "{}    -1\n",
+      type, quantity, abscissa, force,
+      real ? " -3.81956E+00 -3.56616E+00 -2.98987E+00\n"
+           : " -3.81956E+00 -3.56616E+00 -2.98987E+00  1.00000E+00  2.00000E+00  3.00000E+00\n");
+}
+data::ReadFrequencyResponsesResult read_responses(const std::string& text) {
+  const TemporaryFolder folder;
+  write_text(folder / "r.uff", text);
+  return data::read_frequency_responses(folder / "r.uff");
+}
+
+TEST(Uff, FrequenciesAreInTheUnitOfTheirLabel) {
+  for (const auto& [unit, hertz] : {std::pair{"Hz", 1.0},
+                                    {"HZ", 1.0},
+                                    {"NONE", 1.0},
+                                    {"", 1.0},
+                                    {"kHz", 1000.0},
+                                    {"rad/s", 0.5 / std::numbers::pi},
+                                    {"RPM", 1.0 / 60.0}}) {
+    const auto [all, notes] = read_responses(response(unit));
+    EXPECT_THAT(notes, testing::IsEmpty()) << unit;
+    EXPECT_NEAR(all.frequency.at(2), 2.0 * hertz, 1e-12 * hertz) << unit;
+  }
+  const auto [all, notes] = read_responses(response("wobbles"));
+  EXPECT_EQ(all.frequency.at(2), 2.0);
+  EXPECT_THAT(messages(notes),
+              testing::ElementsAre("dataset 1: the unit \"wobbles\" of its abscissa is unknown: "
+                                   "taken for Hz"));
+  EXPECT_THAT(refusal_of([] { read_responses(response("mm")); }).message,
+              testing::HasSubstr("the unit of its abscissa is \"mm\"; accepted are Hz, kHz"));
+  EXPECT_THAT(refusal_of([] { read_responses(response("NONE", "N", "5", 17)); }).message,
+              testing::HasSubstr("its abscissa is time (specific data type 17)"));
+}
+
+TEST(Uff, TimesAreInTheUnitOfTheirLabel) {
+  const std::string in_seconds = function(std::string(general) + "m", three);
+  for (const auto& [unit, rate] : {std::pair{"ms", 2e7}, {"S", 2e4}, {"us", 2e10}, {"NONE", 2e4}}) {
+    std::string text = in_seconds;
+    text.replace(text.find("Time                 s") + 21, 1, unit);
+    const auto [record, notes] = read(text);
+    EXPECT_THAT(notes, testing::IsEmpty()) << unit;
+    EXPECT_NEAR(record.header.sample_rate, rate, 1e-9 * rate) << unit;
+  }
+  std::string text = in_seconds;
+  text.replace(text.find("Time                 s") + 21, 1, "Hz");
+  EXPECT_THAT(refusal_of([&] { read(text); }).message,
+              testing::HasSubstr("the unit of its abscissa is \"Hz\"; accepted are s, ms and us"));
+}
+
+TEST(Uff, RealFrequencyResponsesAreRefused) {
+  EXPECT_THAT(refusal_of([] { read_responses(response("Hz", "N", "2")); }).message,
+              testing::HasSubstr("is a frequency response (function type 4) of real numbers (data "
+                                 "type 2), without phases; expected are complex ones"));
+}
+
+TEST(Uff, PoundsOfAForceAreForces) {
+  const auto [all, notes] = read_responses(response("Hz", "lb"));
+  EXPECT_EQ(all.inputs.at(0).unit, "N");
+  EXPECT_NEAR(all.H[0](0, 0).real(), -3.81956 / 4.4482216152605, 1e-12);
+  EXPECT_THAT(messages(notes), testing::Contains("\"lb\" is taken for lbf, pounds of force"));
 }
 
 }  // namespace

@@ -96,7 +96,7 @@ std::unique_ptr<RecordWriter> open_record_writer(const std::string& path,
 
 struct ReadOptions {
   std::optional<double>
-      sample_rate{};  ///< [Hz] for files that do not tell it; else the file's holds
+      sample_rate{};  ///< [Hz] for files that do not tell it; refused where the file's is another
 };
 
 /// What a file of a measurement holds.
