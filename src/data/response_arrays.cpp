@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "array_candidates.hpp"
+#include "channel_roles.hpp"
 #include "channel_units.hpp"
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/base/units.hpp"
@@ -348,6 +349,7 @@ class ArrayReader {
   void settle_units(FrequencyResponses& all) {
     const std::vector<double> up = to_si(all.outputs, notes_, false),
                               down = to_si(all.inputs, notes_, false);
+    tell_measured_inputs(all.inputs);
     for (MatrixXcd& H : all.H)
       for (Index o = 0; o < H.rows(); ++o)
         for (Index i = 0; i < H.cols(); ++i)
