@@ -137,4 +137,19 @@ void guess_roles(std::vector<Channel>& channels, Notes& notes) {
             "; --inputs and --outputs name others");
 }
 
+void tell_measured_inputs(std::vector<Channel>& inputs) {
+  const auto is_commanded = [](const std::string& name) {
+    for (const RoleWord& word : role_words) {
+      if (word.word == "response") return false;  // behind it come words of sensors
+      // an axis of a response may be called the reference; at a drive motions are measured
+      if (word.role == Role::excitation && word.word != "reference" && has_word(name, word))
+        return true;
+    }
+    return false;
+  };
+  for (Channel& channel : inputs)
+    if (unit_role(channel.unit) == Role::response && !is_commanded(base::lower_case(channel.name)))
+      channel.role = Role::response;
+}
+
 }  // namespace hydrapod::data

@@ -14,4 +14,9 @@ namespace hydrapod::data {
 /// now. One note says what was taken for what.
 void guess_roles(std::vector<Channel>& channels, Notes& notes);
 
+/// Of the inputs of responses by other programs, whose files do not tell a commanded motion from a
+/// measured one: what is a motion by its unit is a response, unless its name says that it was
+/// commanded.
+void tell_measured_inputs(std::vector<Channel>& inputs);
+
 }  // namespace hydrapod::data

@@ -10,6 +10,7 @@
 
 #include "array_candidates.hpp"
 #include "axis_units.hpp"
+#include "channel_roles.hpp"
 #include "channel_units.hpp"
 #include "hydrapod/base/text.hpp"
 #include "response_comments.hpp"
@@ -344,6 +345,7 @@ class ArrayReader {
   void settle_units(FrequencyResponses& all) {
     const std::vector<double> up = to_si(all.outputs, notes_, false),
                               down = to_si(all.inputs, notes_, false);
+    tell_measured_inputs(all.inputs);
     for (MatrixXcd& H : all.H)
       for (Index o = 0; o < H.rows(); ++o)
         for (Index i = 0; i < H.cols(); ++i)

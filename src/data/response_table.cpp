@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "axis_units.hpp"
+#include "channel_roles.hpp"
 #include "channel_units.hpp"
 #include "formats.hpp"
 #include "hydrapod/base/text.hpp"
@@ -310,6 +311,7 @@ class ResponseTable {
           pair, Place{static_cast<Eigen::Index>(number_of(*channels->first, all.outputs)),
                       static_cast<Eigen::Index>(number_of(*channels->second, all.inputs))});
     }
+    if (!described_) tell_measured_inputs(all.inputs);
     if (places_.empty()) notes_.fail("none of the responses that are described is in the table");
   }
 

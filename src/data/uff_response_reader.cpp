@@ -6,6 +6,7 @@
 #include <optional>
 #include <set>
 
+#include "channel_roles.hpp"
 #include "hydrapod/base/text.hpp"
 #include "response_comments.hpp"
 #include "response_files.hpp"
@@ -243,6 +244,7 @@ class ResponseReader {
       if (!by_hydrapod_) name_by_place(*channels);
       make_names_unique(*channels);
     }
+    if (!by_hydrapod_) tell_measured_inputs(all.inputs);
     take_id_lines(all);
     all.frequency = frequency_;
     const auto lines = static_cast<Eigen::Index>(frequency_.size());

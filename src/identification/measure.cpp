@@ -160,10 +160,21 @@ Measurement without_spikes(data::RecordSet& records, Plan plan, const Measure& m
 
 Measurement measure_responses(data::RecordSet& records, const MeasureOptions& options,
                               const numerics::Progress& progress) {
-  return without_spikes(records, plan_channels(records.files()[0], records.header(), options),
-                        [&](const std::vector<Spike>& spikes) {
-                          return responses_without(spikes, records, options, progress);
-                        });
+  const auto& file = records.files()[0];
+  const Plan plan = plan_channels(file, records.header(), options);
+  const auto channels = [&](const std::vector<int>& list) {
+    std::vector<data::Channel> some;
+    for (const int c : list) some.push_back(records.header().channels[static_cast<std::size_t>(c)]);
+    return some;
+  };
+  std::vector<data::ResponseWarning> of_inputs;
+  if (options.for_modes)
+    of_inputs = check_inputs(file, channels(plan.choice.inputs), channels(plan.choice.outputs));
+  Measurement m = without_spikes(records, plan, [&](const std::vector<Spike>& spikes) {
+    return responses_without(spikes, records, options, progress);
+  });
+  m.responses.warnings.insert(m.responses.warnings.end(), of_inputs.begin(), of_inputs.end());
+  return m;
 }
 
 Measurement measure_outputs(data::RecordSet& records, const MeasureOptions& options,

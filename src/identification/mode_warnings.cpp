@@ -43,16 +43,25 @@ void warn_of_short_blocks(const IdentifyOptions& options, Identification& result
   if (warning.count > 0) result.warnings.push_back(std::move(warning));
 }
 
+/// Of the highest mode.
+void warn_of_few_samples(const IdentifyOptions& options, Identification& result) {
+  constexpr double folded = 3.0;  // samples per period: with fewer it may be one that was folded
+  const double rate = result.responses.sample_rate,
+               frequency = result.modes.back().fit.omega() / two_pi, samples = rate / frequency;
+  if (!(rate > 0.0) || !(samples < options.fewest_samples)) return;
+  result.warnings.push_back({.kind = ModeWarning::Kind::few_samples,
+                             .value = samples,
+                             .to = samples < folded ? rate - frequency : 0.0});
+}
+
 }  // namespace
 
 void add_warnings(const IdentifyOptions& options, Identification& result) {
   using Kind = ModeWarning::Kind;
   if (result.modes.empty()) {
     result.warnings.push_back({.kind = Kind::no_mode, .from = result.from, .to = result.to});
-  } else if (const double rate = result.responses.sample_rate,
-             highest = result.modes.back().fit.omega();
-             rate > 0.0 && rate * two_pi < options.fewest_samples * highest) {
-    result.warnings.push_back({.kind = Kind::few_samples, .value = rate * two_pi / highest});
+  } else {
+    warn_of_few_samples(options, result);
   }
   if (result.model.misfit > options.largest_misfit)
     result.warnings.push_back({.kind = Kind::misfit, .value = result.model.misfit});

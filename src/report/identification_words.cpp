@@ -135,6 +135,25 @@ std::string hits_text(const data::ResponseWarning& w) {
   return text;
 }
 
+std::string motion_input_text(const data::ResponseWarning& w) {
+  const bool several = w.count > 1;
+  return fmt::format(
+      "the input{} {}{} {}: poles are those with {} held, antiresonances of the free machine, "
+      "unless it is shaken at its base",
+      several ? "s" : "", w.channel, several ? fmt::format(" and {} more", w.count - 1) : "",
+      several ? "are motions" : "is a motion", several ? "these motions" : "this motion");
+}
+
+std::string sensor_changed_text(const data::ResponseWarning& w) {
+  const bool one_record = w.other.empty();
+  return fmt::format(
+      "{} {} is {}{:.2f} times what it is in the {}{}: its part of the shapes is wrong", w.channel,
+      one_record ? fmt::format("from {:.4g} s to {:.4g} s", w.lowest, w.highest) : "of " + w.other,
+      w.value < 0.0 ? "−" : "", std::abs(w.value),
+      one_record ? "rest of the record" : "other records",
+      w.count > 1 ? fmt::format(" ({} of {} outputs changed)", w.count, w.total) : "");
+}
+
 }  // namespace
 
 bool have_one_unit(const std::vector<data::Channel>& outputs) {
@@ -275,6 +294,10 @@ std::string warning_text(const data::ResponseWarning& w) {
           "inputs' own past does not; noise in such a loop biases responses by {}; record the "
           "excitation from outside the loop too, and name it with --instruments",
           100.0 * w.share, data::estimator_text(w.estimator));
+    case Kind::motion_input:
+      return motion_input_text(w);
+    case Kind::sensor_changed:
+      return sensor_changed_text(w);
   }
   return {};
 }
@@ -288,8 +311,13 @@ std::string warning_text(const identification::ModeWarning& w) {
     case Kind::few_samples:
       return fmt::format(
           "the highest mode has {:.1f} samples per period: the modal model does not include "
-          "aliasing, and with little noise the intervals are too narrow; use a higher sample rate",
-          w.value);
+          "aliasing, and with little noise the intervals are too narrow; use a higher sample "
+          "rate{}",
+          w.value,
+          w.to > 0.0 ? fmt::format("; it may be the image of a mode at {:.4g} Hz where no "
+                                   "anti-alias filter was used",
+                                   w.to)
+                     : "");
     case Kind::misfit:
       return fmt::format(
           "the modal model misses the responses by {:.1f} times their noise (mean square): a mode "

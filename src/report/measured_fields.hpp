@@ -80,6 +80,10 @@ inline const char* code(data::ResponseWarning::Kind kind) {
       return "short_record";
     case Kind::feedback:
       return "feedback";
+    case Kind::motion_input:
+      return "motion_input";
+    case Kind::sensor_changed:
+      return "sensor_changed";
   }
   return nullptr;
 }

@@ -144,6 +144,19 @@ void note_reading(const MeasureOptions& options, Measured& measured) {
   add_warnings(options.files.front(), m.responses.warnings, measured.warnings);
 }
 
+/// What is said of responses for modes, where the file does not say it already.
+void check_motions(const std::string& path, Measured& measured) {
+  auto& responses = measured.measurement.responses;
+  for (const auto& warning :
+       identification::check_inputs(path, responses.inputs, responses.outputs)) {
+    if (std::ranges::find(responses.warnings, warning.kind, &data::ResponseWarning::kind) !=
+        responses.warnings.end())
+      continue;
+    responses.warnings.push_back(warning);
+    add_warnings(path, std::vector{warning}, measured.warnings);
+  }
+}
+
 Measured responses_of_file(const std::string& path) {
   auto read = data::read_frequency_responses(path);
   Measured measured{.warnings = read.notes};
@@ -319,6 +332,7 @@ Measured frf(const MeasureOptions& options, const Progress& progress) {
     auto measured = kind == data::FileKind::json
                         ? responses_from(parsed_json(first, {"\"frf\""}), first)
                         : responses_of_file(first);
+    if (options.estimate.for_modes) check_motions(first, measured);
     measured.machine = measured_machine(options, measured.experiment());
     take_out_window(options, measured);
     return measured;

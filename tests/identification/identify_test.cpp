@@ -107,6 +107,33 @@ TEST(Identify, AChainOfMassesFromANoisyRecord) {
   }
 }
 
+/// A mode above half of the sample rate shows at the rate less its frequency.
+TEST(Identify, AModeWithFewerThanThreeSamplesPerPeriodMayBeAnImage) {
+  const test::ModalSystem system{{test::real_mode(40.0, 0.01, Eigen::Vector2d(0.8, 0.4)),
+                                  test::real_mode(300.0, 0.005, Eigen::Vector2d(0.6, -0.7))}};
+  const auto responses = [&](double rate) {
+    auto r = exact_responses(system, {});
+    r.sample_rate = rate;
+    for (int k = 1; k < 1250; ++k) {
+      const double f = 0.2 * k;
+      r.frequency.push_back(f);
+      r.H.push_back(system.sampled_response(f, 1.0 / rate));
+    }
+    return r;
+  };
+  const auto found = identify_modes(responses(512.0));
+  ASSERT_FALSE(found.modes.empty());
+  EXPECT_NEAR(found.modes.back().fit.omega() / (2.0 * std::numbers::pi), 212.0, 1.0);
+  ASSERT_FALSE(found.warnings.empty());
+  EXPECT_EQ(found.warnings[0].kind, ModeWarning::Kind::few_samples);
+  EXPECT_NEAR(found.warnings[0].value, 2.42, 0.02);
+  EXPECT_NEAR(found.warnings[0].to, 300.0, 1.0);
+  const auto enough = identify_modes(responses(1200.0), {.to = 100.0});
+  EXPECT_TRUE(std::ranges::none_of(enough.warnings, [](const ModeWarning& w) {
+    return w.kind == ModeWarning::Kind::few_samples;
+  }));
+}
+
 /// Periods that repeat hide what a machine that is not linear adds: its errors are stated too
 /// small.
 TEST(Identify, NoModeIsCertainWhereNoiseExplainsLittle) {

@@ -69,7 +69,14 @@ std::vector<data::ResponseWarning> response_warnings() {
            .lowest = 12.16,
            .highest = 12.59},
           {.kind = Kind::short_record, .value = 10.0, .share = 1.28, .count = 7, .total = 12},
-          {.kind = Kind::feedback, .share = 0.31, .estimator = data::Estimator::h1}};
+          {.kind = Kind::feedback, .share = 0.31, .estimator = data::Estimator::h1},
+          {.kind = Kind::motion_input, .channel = "a1", .count = 1, .total = 1},
+          {.kind = Kind::sensor_changed,
+           .channel = "d2",
+           .other = "p2.csv",
+           .value = -1.0,
+           .count = 1,
+           .total = 3}};
 }
 
 std::vector<identification::ModeWarning> mode_warnings() {
@@ -150,6 +157,17 @@ TEST(IdentificationWords, HitsThatDoNotAgreeAndSeveralInARecordAreSaid) {
   warning = {.kind = warning.kind, .channel = "acc7", .value = 0.6234, .count = 3, .total = 3};
   EXPECT_THAT(warning_text(warning), HasSubstr("each of the 3 records is a single hit: "));
   EXPECT_THAT(warning_text(warning), HasSubstr("the hits do not agree: 62 % of the power of acc7"));
+}
+
+TEST(IdentificationWords, AModeThatMayBeAnImageIsSaid) {
+  identification::ModeWarning warning{.kind = identification::ModeWarning::Kind::few_samples,
+                                      .value = 5.04};
+  EXPECT_THAT(warning_text(warning), testing::Not(HasSubstr("image")));
+  warning.value = 2.42;
+  warning.to = 300.04;
+  EXPECT_THAT(warning_text(warning),
+              HasSubstr("use a higher sample rate; it may be the image of a mode at 300 Hz where "
+                        "no anti-alias filter was used"));
 }
 
 TEST(IdentificationWords, OfPoles) {

@@ -354,7 +354,8 @@ struct LeftOut {
 struct ModeWarning {
   enum class Kind {
     no_mode,       ///< between `from` and `to` [Hz]
-    few_samples,   ///< value: samples per period of the highest mode
+    few_samples,   ///< value: samples per period of the highest mode; `to`, where it may be the
+                   ///< image of one that was not filtered out: the frequency of that [Hz]
     misfit,        ///< value: ModalModel::misfit
     unexplained,   ///< value: Unexplained::level of the worst response, from `from` to `to`; of
                    ///< `count` of `total` responses somewhere in the band

@@ -300,7 +300,8 @@ BiasFinding compare_responses(const FrequencyResponses& plain,
 struct FewBlocks {
   double fewest{1.5};
   /// Unasked only with lines ≤ few_lines in the band where the outputs are heard, which take two
-  /// seconds or three, or with fewer blocks than max(3, inputs + 1), of which averages give nothing.
+  /// seconds or three, or with fewer blocks than max(3, inputs + 1), of which averages give
+  /// nothing.
   double few_lines{1200.0};
   /// Not where inputs follow outputs: the outputs' past explains > feedback of what the inputs' own
   /// does not, and more than chance does once in 1/feedback_chance records.
@@ -372,8 +373,17 @@ struct Measurement {
   std::shared_ptr<const ShortRecord> record{};  ///< of records with few blocks, for modes
 };
 
-/// The records are averaged together. Where `progress` asks to stop the rest is left
-/// unread. Throws base::InputError and base::ComputationError.
+/// Modes of responses are those of the machine where inputs are forces or commands. Measured
+/// motions for inputs (by their units; their role is neither excitation nor drive) hold these
+/// motions: where outputs are motions too, a warning `motion_input`; where all outputs are forces,
+/// the responses are inverse ones, and base::InputError names `file`.
+std::vector<data::ResponseWarning> check_inputs(const std::string& file,
+                                                const std::vector<data::Channel>& inputs,
+                                                const std::vector<data::Channel>& outputs);
+
+/// The records are averaged together; where modes are wanted, after check_inputs(). Where
+/// `progress` asks to stop the rest is left unread. Throws base::InputError and
+/// base::ComputationError.
 Measurement measure_responses(data::RecordSet& records, const MeasureOptions& options,
                               const numerics::Progress& progress = {});
 
