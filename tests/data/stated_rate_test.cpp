@@ -53,7 +53,7 @@ class RateOfVariables : public testing::Test {
     file.write(name, H5T_NATIVE_DOUBLE, {}, &number);
     file.attribute(name, "unit", std::string(unit));
   }
-  [[nodiscard]] double rate() const { return data::read_record(path()).record.header.sample_rate; }
+  double rate() const { return data::read_record(path()).record.header.sample_rate; }
 
  private:
   TemporaryFolder folder_;
