@@ -19,6 +19,7 @@
 #include "formats.hpp"
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/base/text.hpp"
+#include "hydrapod/base/units.hpp"
 #include "response_files.hpp"
 #include "spool.hpp"
 #include "uff_dataset.hpp"
@@ -172,6 +173,29 @@ bool same_channels(const RecordHeader& a, const RecordHeader& b) {
          std::ranges::equal(a.channels, b.channels, {}, &Channel::name, &Channel::name);
 }
 
+bool same_unit(const std::string& a, const std::string& b) {
+  if (a == b) return true;
+  if (a.empty() || b.empty() || a == "1" || b == "1" || !base::si_unit(a) || !base::si_unit(b))
+    return false;
+  return base::read_quantity("1 " + a, b).ok();
+}
+
+/// One number of another unit in an average makes all of it wrong.
+void refuse_other_units(const RecordHeader& first, const RecordHeader& other,
+                        const std::string& first_file, const std::string& file) {
+  const auto words = [](const std::string& unit) {
+    return unit.empty() ? std::string("no unit") : base::printable(unit, 30);
+  };
+  for (std::size_t c = 0; c < first.channels.size(); ++c) {
+    const auto &one = first.channels[c], &two = other.channels[c];
+    if (!same_unit(one.unit, two.unit))
+      base::refuse(file, fmt::format("{} is in {} and in {} it is in {}: records that are averaged "
+                                     "together have the same units, or such that lead to SI",
+                                     base::printable(two.name), words(two.unit), first_file,
+                                     words(one.unit)));
+  }
+}
+
 /// Channels that differ in the names of those that drive alone.
 bool differ_in_inputs(const RecordHeader& a, const RecordHeader& b) {
   if (a.sample_rate != b.sample_rate || same_channels(a, b)) return false;
@@ -294,6 +318,7 @@ RecordSet::RecordSet(std::vector<std::string> files, const ReadOptions& options)
                    fmt::format("other channels or another sample rate than {}: records that "
                                "are averaged together have the same",
                                files_[0]));
+    refuse_other_units(header(), header(k), files_[0], files_[k]);
     counts_[k] = readers_[k]->sample_count();
   }
 }

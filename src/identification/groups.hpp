@@ -18,4 +18,11 @@ void each_group(data::RecordSet& records, const Measurement& measured,
                 const MeasureOptions& options, int groups, const numerics::Progress& progress,
                 std::optional<double> highest, const TakeGroup& take);
 
+/// The same with each record, `take` gets its number; records without a block are passed over.
+void each_record(data::RecordSet& records, const Measurement& measured,
+                 const MeasureOptions& options, const numerics::Progress& progress,
+                 std::optional<double> highest,
+                 const std::function<void(std::size_t record, CrossSpectra&& spectra,
+                                          const ChannelChoice& choice, Estimator estimator)>& take);
+
 }  // namespace hydrapod::identification

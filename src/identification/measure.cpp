@@ -192,26 +192,37 @@ void refuse_periods(const Reading& reading) {
     throw base::ComputationError("the excitation is periodic: there are no blocks to resample");
 }
 
+/// Of groups: lines above `highest` may be left out.
+SpectrumOptions spectrum_up_to(std::optional<double> highest, const Reading& reading,
+                               double sample_rate) {
+  auto spectrum = reading.spectrum;
+  if (highest && reading.plan.estimator != Estimator::instrumental) {
+    // the last line that is formed is never used
+    const double lines = *highest * spectrum.block_length / sample_rate + 3.0;
+    spectrum.lines = static_cast<int>(std::min(lines, 1.0 + spectrum.block_length / 2));
+  }
+  return spectrum;
+}
+
+/// What an estimator has seen.
+void deliver_group(SpectrumEstimator&& estimator, const Reading& reading,
+                   const MeasureOptions& options, const TakeGroup& take) {
+  Measurement m{.spectra = SpectrumEstimator(std::move(estimator)).result()};  // it is large
+  if (m.spectra.blocks == 0) return;
+  auto choice = reading.plan.choice;
+  bring_outputs_to_platform(options, choice, m);
+  take(std::move(m.spectra), choice, reading.plan.estimator);
+}
+
 void read_groups(data::RecordSet& records, const Reading& reading, const MeasureOptions& options,
                  int groups, const numerics::Progress& progress, std::optional<double> highest,
                  const TakeGroup& take) {
   const auto& header = records.header();
-  auto spectrum = reading.spectrum;
-  if (highest && reading.plan.estimator != Estimator::instrumental) {
-    // the last line that is formed is never used
-    const double lines = *highest * spectrum.block_length / header.sample_rate + 3.0;
-    spectrum.lines = static_cast<int>(std::min(lines, 1.0 + spectrum.block_length / 2));
-  }
+  const auto spectrum = spectrum_up_to(highest, reading, header.sample_rate);
   const std::int64_t piece =
       std::max(reading.total / groups, std::int64_t{2} * spectrum.block_length);
   SpectrumEstimator estimator(header, spectrum, reading.used);
-  const auto close = [&] {
-    Measurement m{.spectra = SpectrumEstimator(std::move(estimator)).result()};  // it is large
-    if (m.spectra.blocks == 0) return;
-    auto choice = reading.plan.choice;
-    bring_outputs_to_platform(options, choice, m);
-    take(std::move(m.spectra), choice, reading.plan.estimator);
-  };
+  const auto close = [&] { deliver_group(std::move(estimator), reading, options, take); };
   std::int64_t in_piece = 0;
   const auto add = [&](const Eigen::Ref<const data::Samples>& block) {
     for (Index at = 0; at < block.rows();) {
@@ -277,6 +288,35 @@ void each_group(data::RecordSet& records, const Measurement& measured,
                 const MeasureOptions& options, int groups, const numerics::Progress& progress,
                 std::optional<double> highest, const TakeGroup& take) {
   read_groups(records, reading_of_blocks(measured), options, groups, progress, highest, take);
+}
+
+void each_record(
+    data::RecordSet& records, const Measurement& measured, const MeasureOptions& options,
+    const numerics::Progress& progress, std::optional<double> highest,
+    const std::function<void(std::size_t record, CrossSpectra&& spectra,
+                             const ChannelChoice& choice, Estimator estimator)>& take) {
+  const Reading& reading = reading_of_blocks(measured);
+  const auto& header = records.header();
+  const auto spectrum = spectrum_up_to(highest, reading, header.sample_rate);
+  std::optional<SpectrumEstimator> estimator;
+  std::size_t open = 0;
+  const auto close = [&] {
+    if (estimator)
+      deliver_group(std::move(*estimator), reading, options,
+                    [&](CrossSpectra&& spectra, const ChannelChoice& choice, Estimator by) {
+                      take(open, std::move(spectra), choice, by);
+                    });
+    estimator.reset();
+  };
+  const auto begin = [&](std::size_t record) {
+    close();
+    open = record;
+    estimator.emplace(header, spectrum, reading.used);
+    estimator->begin_record(reading.settling);
+  };
+  stream_read(records, reading, progress, begin,
+              [&](const Eigen::Ref<const data::Samples>& block) { estimator->add(block); });
+  close();
 }
 
 }  // namespace hydrapod::identification

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <numeric>
 
 #include "damped.hpp"
@@ -10,6 +11,7 @@
 #include "hydrapod/numerics/statistics.hpp"
 #include "names.hpp"
 #include "refit.hpp"
+#include "sensor_watch.hpp"
 
 namespace hydrapod::identification {
 
@@ -100,23 +102,44 @@ Spread spread_of(const VectorXd& values, const VectorXd& deviations) {
 
 namespace {
 
+data::ResponseWarning warning_of(const SensorWatch::Change& change, const FrequencyResponses& r) {
+  return {.kind = data::ResponseWarning::Kind::sensor_changed,
+          .channel = r.outputs[static_cast<std::size_t>(change.output)].name,
+          .value = change.factor,
+          .count = change.outputs,
+          .total = std::ssize(r.outputs)};
+}
+
 /// The fits of groups one by one, and what they say.
 class PartFits {
  public:
   PartFits(const Identification& found, const IdentifyOptions& options)
-      : found_(found), options_(options) {}
+      : found_(found), options_(options), sensors_(found.responses) {}
 
   void add(CrossSpectra&& part, const ChannelChoice& choice, Estimator estimator) {
     for (auto* m : {&fits_.omega, &fits_.omega_deviation, &fits_.damping, &fits_.damping_deviation,
                     &fits_.excitation})
       m->conservativeResize(static_cast<Index>(found_.modes.size()), fitted_ + 1);
     degrees_ += part.statistics.effective_averages - static_cast<double>(choice.inputs.size());
+    const auto label = static_cast<std::size_t>(added_++);
     try {
       const auto responses = responses_for_modes(part, choice, estimator);
       part = {};  // no longer needed, and large
+      sensors_.add(responses, label);
       fitted_ += add_fit(responses, found_, options_, fitted_, fits_);
     } catch (const base::ComputationError&) {  // this part has too little in it
     }
+  }
+
+  /// Of a record of this duration [s].
+  [[nodiscard]] std::optional<data::ResponseWarning> changed_sensor(double duration) const {
+    const auto change = sensors_.result();
+    if (!change) return {};
+    auto warning = warning_of(*change, found_.responses);
+    const double length = duration / static_cast<double>(added_);
+    warning.lowest = static_cast<double>(change->label) * length;
+    warning.highest = warning.lowest + length;
+    return warning;
   }
 
   [[nodiscard]] std::vector<Wandering> wandering(const WanderOptions& options) const {
@@ -154,7 +177,8 @@ class PartFits {
   const Identification& found_;
   const IdentifyOptions& options_;
   GroupFits fits_{};
-  Index fitted_{};
+  SensorWatch sensors_;
+  Index fitted_{}, added_{};
   double degrees_{};  // of the noise estimates
 };
 
@@ -171,15 +195,48 @@ std::vector<Wandering> wandering_modes(std::vector<CrossSpectra> groups,
   return parts.wandering(options);
 }
 
-std::vector<Wandering> wandering_modes(data::RecordSet& records, const Measurement& measured,
-                                       const MeasureOptions& measure, const Identification& found,
-                                       const IdentifyOptions& identify,
-                                       const WanderOptions& options,
-                                       const numerics::Progress& progress) {
+namespace {
+
+/// Between records, which may be of any length.
+std::optional<data::ResponseWarning> changed_between(data::RecordSet& records,
+                                                     const Measurement& measured,
+                                                     const MeasureOptions& measure,
+                                                     const Identification& found,
+                                                     const numerics::Progress& progress) {
+  constexpr double least_degrees = 2.0;
+  SensorWatch sensors(found.responses);
+  each_record(records, measured, measure, progress, found.to,
+              [&](std::size_t record, CrossSpectra&& spectra, const ChannelChoice& choice,
+                  Estimator estimator) {
+                if (spectra.statistics.effective_averages <
+                    static_cast<double>(choice.inputs.size()) + least_degrees)
+                  return;
+                try {
+                  sensors.add(responses_for_modes(spectra, choice, estimator), record);
+                } catch (const base::ComputationError&) {  // this record has too little in it
+                }
+              });
+  const auto change = sensors.result();
+  if (!change) return {};
+  auto warning = warning_of(*change, found.responses);
+  warning.other = std::filesystem::path(records.files()[change->label]).filename().string();
+  return warning;
+}
+
+}  // namespace
+
+PartsFinding compare_parts(data::RecordSet& records, const Measurement& measured,
+                           const MeasureOptions& measure, const Identification& found,
+                           const IdentifyOptions& identify, const WanderOptions& options,
+                           const numerics::Progress& progress) {
   if (found.modes.empty()) return {};
   constexpr int most_parts = 4;
   bool stopped = false, large = true;
   const auto watched = [&](double share) { return stopped = progress && progress(share); };
+  PartsFinding finding;
+  const bool several = records.files().size() > 1;
+  if (several) finding.changed = changed_between(records, measured, measure, found, watched);
+  if (stopped) return {};
   PartFits parts(found, identify);
   each_group(records, measured, measure, most_parts, watched, found.to,
              [&](CrossSpectra&& part, const ChannelChoice& choice, Estimator estimator) {
@@ -188,12 +245,29 @@ std::vector<Wandering> wandering_modes(data::RecordSet& records, const Measureme
                if (large && !stopped) parts.add(std::move(part), choice, estimator);
              });
   if (stopped) return {};
-  if (large) return parts.wandering(options);
+  const double duration = static_cast<double>(measured.samples) / records.header().sample_rate;
+  const auto say = [&](const PartFits& fits) {
+    finding.wandering = fits.wandering(options);
+    if (!several) finding.changed = fits.changed_sensor(duration);
+  };
+  if (large) {
+    say(parts);
+    return finding;
+  }
   // neighbours are put together, for which all are needed
   auto all = measure_groups(records, measured, measure, most_parts, watched, found.to);
   if (stopped) return {};
-  return wandering_modes(std::move(all.groups), all.choice, all.estimator, found, identify,
-                         options);
+  PartFits joined(found, identify);
+  for (auto& part : large_enough(std::move(all.groups), averages_needed(all.choice, options)))
+    joined.add(std::move(part), all.choice, all.estimator);
+  say(joined);
+  return finding;
+}
+
+void add_changed_sensor(const data::ResponseWarning& changed, Identification& found) {
+  const double same = 1.0 - static_cast<double>(changed.count) / static_cast<double>(changed.total);
+  for (auto& mode : found.modes) mode.explained = std::min(mode.explained, same);
+  found.responses.warnings.push_back(changed);
 }
 
 void add_wandering(const std::vector<Wandering>& wandering, Identification& found) {

@@ -265,7 +265,8 @@ void add_bootstrap(const IdentifyOptions& options, const Progress& progress, Ide
       {.resamples = options.bootstrap, .identify = options.modes}, progress);
 }
 
-/// Do the modes stay where they are? Not asked of periods and of outputs alone.
+/// Do the modes stay where they are, and the sensors as they are? Not asked of periods and of
+/// outputs alone.
 void test_steadiness(const IdentifyOptions& options, const Progress& progress, Identified& found) {
   auto& measured = found.measured;
   if (!measured.records || options.measure.output_only || measured.measurement.interrupted ||
@@ -274,12 +275,15 @@ void test_steadiness(const IdentifyOptions& options, const Progress& progress, I
     return;
   bool stopped = false;
   try {
-    identification::add_wandering(
-        identification::wandering_modes(
-            *measured.records, measured.measurement, estimate_options(options.measure, measured),
-            found.modes, options.modes, {},
-            [&](double) { return stopped = progress && progress(1.0); }),
-        found.modes);
+    const auto finding = identification::compare_parts(
+        *measured.records, measured.measurement, estimate_options(options.measure, measured),
+        found.modes, options.modes, {},
+        [&](double) { return stopped = progress && progress(1.0); });
+    identification::add_wandering(finding.wandering, found.modes);
+    if (finding.changed) {
+      identification::add_changed_sensor(*finding.changed, found.modes);
+      add_warnings(options.measure.files.front(), std::vector{*finding.changed}, found.warnings);
+    }
   } catch (const base::ComputationError&) {  // the parts are too short
   }
   if (stopped) throw base::ComputationError("interrupted");
@@ -411,8 +415,8 @@ Identified identify(const IdentifyOptions& options, const Progress& progress) {
     if (progress && progress(0.4 + 0.6 * share) && !measurement.interrupted)
       throw base::ComputationError("interrupted");
   });
-  test_steadiness(options, progress, found);
   found.warnings = found.measured.warnings;
+  test_steadiness(options, progress, found);
   add_warnings(file, found.modes.warnings, found.warnings);
   if (found.modes.modes.empty()) return found;
   if (options.compare)

@@ -43,7 +43,8 @@ Identified identified(const data::Record& record, const MeasureOptions& options,
   Identified result{.measured = measure_responses(records, options)};
   result.found = identify_modes(result.measured.responses);
   if (ask_for_wandering)
-    add_wandering(wandering_modes(records, result.measured, options, result.found), result.found);
+    add_wandering(compare_parts(records, result.measured, options, result.found).wandering,
+                  result.found);
   return result;
 }
 

@@ -58,7 +58,7 @@ TEST(Wandering, OfARecordIsThatOfItsGroups) {
     const auto found = identify_modes(measured.responses);
     const auto grouped = measure_groups(records, measured, {}, 4, {}, found.to);
     const auto expected = wandering_modes(grouped.groups, grouped.choice, grouped.estimator, found);
-    const auto got = wandering_modes(records, measured, {}, found);
+    const auto got = compare_parts(records, measured, {}, found).wandering;
     ASSERT_EQ(expected.size(), 1U) << duration;
     ASSERT_EQ(got.size(), 1U) << duration;
     EXPECT_EQ(got[0].mode, expected[0].mode);
@@ -67,7 +67,7 @@ TEST(Wandering, OfARecordIsThatOfItsGroups) {
     EXPECT_EQ(got[0].lowest, expected[0].lowest);
     EXPECT_EQ(got[0].damping_in_groups, expected[0].damping_in_groups);
     const auto stop = [](double) { return true; };
-    EXPECT_TRUE(wandering_modes(records, measured, {}, found, {}, {}, stop).empty());
+    EXPECT_TRUE(compare_parts(records, measured, {}, found, {}, {}, stop).wandering.empty());
   }
 }
 

@@ -44,7 +44,7 @@ Identification tested_for_wandering(const data::Record& record, TimeTaken* time)
   const auto measured = measure_responses(records, {});
   auto found = identify_modes(measured.responses);
   const auto middle = Clock::now();
-  add_wandering(wandering_modes(records, measured, {}, found), found);
+  add_wandering(compare_parts(records, measured, {}, found).wandering, found);
   if (time != nullptr) {
     time->all_else += seconds(begin, middle);
     time->test += seconds(middle, Clock::now());

@@ -12,7 +12,7 @@
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/data/record_io.hpp"
 #include "hydrapod/tasks/measurement.hpp"
-#include "support/temporary_folder.hpp"
+#include "support/run_program.hpp"
 
 namespace hydrapod::tasks {
 namespace {

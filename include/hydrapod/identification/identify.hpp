@@ -316,7 +316,7 @@ struct IdentifiedMode {
   /// Share of the residual around its frequency that noise explains: 1/Unexplained::level of the
   /// worst response there, at most 1 − Unexplained::smooth, and where the misfit of the whole is a
   /// warning, at most largest_misfit/misfit; 1 where all is noise. Where the excitation is weak, at
-  /// most F by what is needed.
+  /// most F by what is needed; where sensors changed, at most the share of those that did not.
   double explained{1.0};
   /// ζ ω over ζ ω and the deviation of ω between parts of the record; 1: it does not wander, or
   /// that was not asked.
@@ -354,8 +354,7 @@ struct LeftOut {
 struct ModeWarning {
   enum class Kind {
     no_mode,       ///< between `from` and `to` [Hz]
-    few_samples,   ///< value: samples per period of the highest mode; `to`, where it may be the
-                   ///< image of one that was not filtered out: the frequency of that [Hz]
+    few_samples,   ///< value: samples per period of the highest mode; `to`: it may be its image, or 0
     misfit,        ///< value: ModalModel::misfit
     unexplained,   ///< value: Unexplained::level of the worst response, from `from` to `to`; of
                    ///< `count` of `total` responses somewhere in the band
@@ -456,8 +455,7 @@ struct WanderOptions {
   /// … and the deviation of ω between the parts, less what estimates scatter, > least_spread · ζ ω:
   /// less than that changes the damping by a percent at most.
   double least_spread{0.1};
-  /// Neighbouring groups are put together until K − p ≥ least_degrees in each: with fewer the
-  /// errors of responses are hardly known.
+  /// Neighbouring groups are put together until K − p ≥ least_degrees: fewer hardly tell errors.
   double least_degrees{6.0};
   /// A part tells of a mode where each input has more than least_excitation of its density in the
   /// whole record there: a sweep passes a mode in one part of the record, and in the others its
@@ -475,24 +473,27 @@ struct Wandering {
 };
 
 /// The modes that wander; none where the record is too short to tell. `groups`: in the order of
-/// time, as measure_groups() forms them, with all lines of `found`; `identify`: the options that
-/// found the modes.
+/// time, as measure_groups() forms them, with all lines of `found`, which `identify` found.
 std::vector<Wandering> wandering_modes(std::vector<CrossSpectra> groups,
                                        const ChannelChoice& choice, Estimator estimator,
                                        const Identification& found,
                                        const IdentifyOptions& identify = {},
                                        const WanderOptions& options = {});
 
-/// The same with quarters of the records, which are read once more: each is fitted as soon as it is
-/// read, as the spectra of all of them are large. `measured`, `measure`: of these records. None
-/// where `progress` asks to stop. Throws as measure_groups().
-std::vector<Wandering> wandering_modes(data::RecordSet& records, const Measurement& measured,
-                                       const MeasureOptions& measure, const Identification& found,
-                                       const IdentifyOptions& identify = {},
-                                       const WanderOptions& options = {},
-                                       const numerics::Progress& progress = {});
+struct PartsFinding {
+  std::vector<Wandering> wandering{};
+  std::optional<data::ResponseWarning> changed{};  ///< sensor_changed
+};
 
-/// Their steadiness, and a warning for each.
+/// The same with quarters of the records, read once more; and a sensor that changed between records
+/// or parts of the only one. Nothing where `progress` asks to stop. Throws as measure_groups().
+PartsFinding compare_parts(data::RecordSet& records, const Measurement& measured,
+                           const MeasureOptions& measure, const Identification& found,
+                           const IdentifyOptions& identify = {}, const WanderOptions& options = {},
+                           const numerics::Progress& progress = {});
+
+/// Warnings; the steadiness of modes; no quality above the share of outputs that did not change.
 void add_wandering(const std::vector<Wandering>& wandering, Identification& found);
+void add_changed_sensor(const data::ResponseWarning& changed, Identification& found);
 
 }  // namespace hydrapod::identification

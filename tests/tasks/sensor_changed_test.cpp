@@ -1,0 +1,152 @@
+/// A sensor that is another in one of several records, or from some time on, is named; sound
+/// records, and machines that are not quite the same in all of them, are not accused.
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "exact/modal_system.hpp"
+#include "hydrapod/base/error.hpp"
+#include "hydrapod/data/record_io.hpp"
+#include "hydrapod/tasks/measurement.hpp"
+#include "support/run_program.hpp"
+
+namespace hydrapod::tasks {
+namespace {
+
+using testing::HasSubstr;
+using Kind = data::ResponseWarning::Kind;
+
+test::ModalSystem three_masses(double damping = 0.015) {
+  return test::chain(3, 1.3, 4000.0, damping);
+}
+
+/// One force, three motions with noise of 2 % or so.
+data::Record sound_record(std::uint64_t seed, const test::ModalSystem& all = three_masses(),
+                          int samples = 16000) {
+  auto system = all;
+  for (auto& mode : system.modes) mode.participation = mode.participation.head(1).eval();
+  auto record = test::record_of(system, {.sample_rate = 60.0,
+                                         .samples = samples,
+                                         .output_noise = Eigen::Vector3d(1.0, 1.2, 0.8) * 1e-5,
+                                         .seed = seed});
+  record.header.channels[0].name = "force";
+  for (int o = 1; o <= 3; ++o)
+    record.header.channels[static_cast<std::size_t>(o)].name = fmt::format("d{}", o);
+  return record;
+}
+
+class SensorChanged : public testing::Test {
+ protected:
+  [[nodiscard]] std::string written(const char* name, const data::Record& record) const {
+    const std::string path = folder_ / name;
+    data::write_record(path, record, data::RecordFormat::hdf5);
+    return path;
+  }
+  [[nodiscard]] Identified identified(std::vector<std::string> files) const {
+    return identify({.measure = {.files = std::move(files)}, .compare = false});
+  }
+  static std::vector<data::ResponseWarning> changed_in(const Identified& found) {
+    std::vector<data::ResponseWarning> list;
+    for (const auto& warning : found.modes.responses.warnings)
+      if (warning.kind == Kind::sensor_changed) list.push_back(warning);
+    return list;
+  }
+
+ private:
+  test::TemporaryFolder folder_{};
+};
+
+TEST_F(SensorChanged, BetweenTwoRecordsSignAndGainAreNamed) {
+  for (const double factor : {-1.0, 9.80665, 0.5, 1.3}) {
+    auto other = sound_record(2);
+    other.samples.col(2) *= factor;
+    const auto found = identified({written("p1.h5", sound_record(1)), written("p2.h5", other)});
+    const auto changed = changed_in(found);
+    ASSERT_EQ(changed.size(), 1U) << factor;
+    EXPECT_EQ(changed[0].channel, "d2");
+    EXPECT_EQ(changed[0].other, "p2.h5");
+    EXPECT_NEAR(changed[0].value / factor, 1.0, 0.03) << factor;
+    EXPECT_EQ(changed[0].count, 1);
+    EXPECT_EQ(changed[0].total, 3);
+    EXPECT_TRUE(std::ranges::any_of(found.warnings, [](const base::Diagnostic& d) {
+      return d.message.starts_with("d2 of p2.h5 is ");
+    }));
+    // frequencies are right; no quality is above the share of sound sensors
+    ASSERT_FALSE(found.modes.modes.empty());
+    for (const auto& mode : found.modes.modes) EXPECT_LE(mode.quality(), 2.0 / 3.0 + 1e-12);
+  }
+}
+
+/// Of three records the one that differs is named, also where it is the first.
+TEST_F(SensorChanged, TheRecordThatDiffersFromMostIsNamed) {
+  for (int wrong = 0; wrong < 3; ++wrong) {
+    std::vector<std::string> files;
+    for (int k = 0; k < 3; ++k) {
+      auto record =
+          sound_record(static_cast<std::uint64_t>(10 + k), three_masses(), 9000 + 1700 * k);
+      if (k == wrong) record.samples.col(3) *= -1.0;
+      files.push_back(written(fmt::format("p{}.h5", k).c_str(), record));
+    }
+    const auto changed = changed_in(identified(files));
+    ASSERT_EQ(changed.size(), 1U) << wrong;
+    EXPECT_EQ(changed[0].channel, "d3");
+    EXPECT_EQ(changed[0].other, fmt::format("p{}.h5", wrong));
+    EXPECT_NEAR(changed[0].value, -1.0, 0.03);
+  }
+}
+
+TEST_F(SensorChanged, WithinARecordItsTimeIsNamed) {
+  auto record = sound_record(4, three_masses(), 40000);
+  record.samples.col(1).tail(10000) *= -1.0;
+  const auto found = identified({written("run.h5", record)});
+  const auto changed = changed_in(found);
+  ASSERT_EQ(changed.size(), 1U);
+  EXPECT_EQ(changed[0].channel, "d1");
+  EXPECT_NEAR(changed[0].lowest, 500.0, 10.0);
+  EXPECT_NEAR(changed[0].highest, 666.7, 10.0);
+  EXPECT_TRUE(std::ranges::any_of(found.warnings, [](const base::Diagnostic& d) {
+    return d.message.find("in the rest of the record") != std::string::npos;
+  }));
+}
+
+TEST_F(SensorChanged, SoundRecordsAreNotAccused) {
+  for (std::uint64_t seed = 1; seed <= 30; ++seed) {
+    const auto found =
+        identified({written("p1.h5", sound_record(100 + seed)),
+                    written("p2.h5", sound_record(200 + seed, three_masses(), 11000))});
+    EXPECT_TRUE(changed_in(found).empty()) << seed;
+  }
+}
+
+/// Another level gives another damping, another temperature another stiffness: no sensor changed.
+TEST_F(SensorChanged, AMachineThatChangedIsNoSensorThatChanged) {
+  for (const double stiffness : {4000.0, 4080.0})
+    for (const double damping : {0.015, 0.022}) {
+      const auto found =
+          identified({written("p1.h5", sound_record(7)),
+                      written("p2.h5", sound_record(8, test::chain(3, 1.3, stiffness, damping)))});
+      EXPECT_TRUE(changed_in(found).empty()) << stiffness << " " << damping;
+    }
+}
+
+TEST_F(SensorChanged, OtherUnitsAreRefused) {
+  auto other = sound_record(2);
+  other.header.channels[2].unit = "m/s^2";
+  try {
+    identified({written("p1.h5", sound_record(1)), written("p2.h5", other)});
+    FAIL() << "not refused";
+  } catch (const base::InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("d2 is in m/s^2 and in"));
+  }
+  other.header.channels[2].unit = "m";
+  other.header.channels[1].unit = "m s^-2";
+  auto first = sound_record(1);
+  first.header.channels[1].unit = "m/s^2";  // another spelling
+  EXPECT_TRUE(changed_in(identified({written("p1.h5", first), written("p2.h5", other)})).empty());
+}
+
+}  // namespace
+}  // namespace hydrapod::tasks
