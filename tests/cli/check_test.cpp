@@ -20,6 +20,8 @@ using testing::HasSubstr;
 using testing::Not;
 
 const std::string published_model = test::source_file("models/zhang-jiang-2021.toml").string();
+const std::string transverse_model =
+    test::source_file("models/zhang-jiang-2021-transverse.toml").string();
 const std::string heavy_model = test::source_file("models/heavy-platform.toml").string();
 
 TEST(Check, TableSaysWhatFollows) {
@@ -99,6 +101,15 @@ TEST(Check, ForcesCarryTheWeight) {
   const double weight = 14000.0 * 9.80665;
   EXPECT_GT(up, weight);  // legs stand aslant
   EXPECT_LT(up, 1.5 * weight);
+}
+
+/// The published file states no stroke: it may be at such a pose.
+TEST(Check, AnswersBeyondAssumedStops) {
+  const auto result = run_hydrapod({"check", transverse_model, "--pose", "z=-240 mm"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_EQ(result.err, "");
+  EXPECT_THAT(result.out, AllOf(HasSubstr("First resonance: "), Not(HasSubstr("position loop")),
+                                testing::EndsWith("\nSound at pose z=-240 mm.\n")));
 }
 
 TEST(Check, NamesThePayloadAtWhichTheLegsFold) {
