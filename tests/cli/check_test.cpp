@@ -135,6 +135,19 @@ TEST(Check, NamesThePayloadAtWhichTheLegsFold) {
                     HasSubstr("warning: the legs buckle under the present load: remove ")));
 }
 
+/// Elastomers carry a load for long with their static stiffness alone.
+TEST(Check, GivesItsVerdictWhereTheStaticStiffnessOfTheSealsDoesNotCarry) {
+  const auto result = run_hydrapod(
+      {"check", transverse_model, "--set", "environment.gravity=9.81", "--set",
+       "platform.mass=1500", "--set",
+       "legs.guide_sleeve.elastomer={dynamic_ratio=2, loss_factor=0.2, frequency=10}"});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_EQ(result.err, "error: the machine is not sound\n");
+  EXPECT_THAT(result.out,
+              AllOf(HasSubstr("warning: the legs buckle under the present load: remove "),
+                    testing::EndsWith("\nNot sound: the legs buckle at pose neutral.\n")));
+}
+
 /// So little payload left that the bracket of the search is large against it.
 TEST(Check, OfAMachineAboutToBuckleStillAnswers) {
   const std::vector<std::string> arguments{"check",    published_model,
