@@ -1,4 +1,4 @@
-// Numbers of a machine file that have no effect without another one.
+// What a machine file states that has no effect without another part of it.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -28,6 +28,21 @@ std::string written(const ParameterRow& row, int of) {
   return fmt::format("leg.{}.{}", of, row.path.substr(of_legs.size()));
 }
 
+/// Piston rings of some legs only: the model has them in all legs or in none.
+void add_lone_rings(const Machine& machine, std::vector<Finding>& findings) {
+  std::vector<int> with, without;
+  for (int leg = 0; leg < leg_count; ++leg)
+    (machine.legs[leg].piston_ring ? with : without).push_back(leg + 1);
+  if (with.empty() || without.empty()) return;
+  findings.push_back(
+      {base::Severity::warning, fmt::format("leg.{}.piston_ring", with.front()),
+       fmt::format("has no effect, since leg{} {} {} no piston ring: the model is that of the "
+                   "guide sleeves alone; give all legs a ring (legs.piston_ring), a stiff one "
+                   "where there is none, or take this one out",
+                   without.size() > 1 ? "s" : "", fmt::join(without, ", "),
+                   without.size() > 1 ? "have" : "has")});
+}
+
 }  // namespace
 
 std::vector<Finding> without_effect(const ReadMachine& read) {
@@ -47,6 +62,7 @@ std::vector<Finding> without_effect(const ReadMachine& read) {
     findings.push_back({base::Severity::warning, number.written,
                         fmt::format("has no effect without `{}`", needed)});
   }
+  add_lone_rings(machine, findings);
   return findings;
 }
 

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "hydrapod/base/error.hpp"
 #include "hydrapod/dynamics/linear_model.hpp"
 #include "hydrapod/kinematics/legs.hpp"
 #include "hydrapod/simulation/linear_system.hpp"
@@ -304,6 +305,16 @@ std::optional<double> gain_limit(const model::Machine& machine, const Pose& X_BP
   return low;
 }
 
+/// None where the loop has nothing to start from: beyond stops that the file does not state.
+std::optional<double> gain_limit_if_any(const model::Machine& machine, const Pose& X_BP,
+                                        dynamics::ModelKind kind) {
+  try {
+    return gain_limit(machine, X_BP, kind);
+  } catch (const base::ComputationError&) {
+    return {};
+  }
+}
+
 }  // namespace
 
 const char* name(Ability ability) {
@@ -472,7 +483,7 @@ std::optional<Capability> capability(const model::Machine& machine, const Pose& 
   std::optional<PumpFlow> pump;
   if (!screws) pump.emplace(machine.hydraulics.supply, legs->axes, rests);
   set_reach(machine, X_BP, geometry, *legs, pump ? &*pump : nullptr, result);
-  if (with_gain && !screws) result.gain_limit = gain_limit(machine, X_BP, kind);
+  if (with_gain && !screws) result.gain_limit = gain_limit_if_any(machine, X_BP, kind);
   return result;
 }
 

@@ -2,7 +2,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 
+#include "hydrapod/base/error.hpp"
 #include "hydrapod/diagnosis/diagnose.hpp"
 #include "hydrapod/hydraulics/servo_axis.hpp"
 #include "hydrapod/modal/damped_modes.hpp"
@@ -248,14 +250,26 @@ void add_columns(const model::Machine& machine, const CheckOptions& options, Pos
     if (!warning->legs.empty()) result.warnings.push_back(*warning);
 }
 
+/// ω² of the lowest mode; none where the static stiffness of the seals does not carry the load,
+/// which a warning says by now.
+std::optional<double> lowest_square(const model::Machine& machine, dynamics::ModelKind kind,
+                                    const PoseCheck& result) {
+  try {
+    const auto model =
+        modal::at_lowest_resonance(dynamics::linear_model(machine, result.pose.X_BP, kind));
+    return modal::normal_modes(model).omega2[0];
+  } catch (const base::ComputationError&) {
+    if (report::is_sound(result)) throw;
+    return {};
+  }
+}
+
 /// Modes and motions: only where the machine stands.
 void add_abilities(const model::Machine& machine, dynamics::ModelKind kind, PoseCheck& result) {
   if (!result.equilibrium) return;
-  const auto model =
-      modal::at_lowest_resonance(dynamics::linear_model(machine, result.pose.X_BP, kind));
-  const double square = modal::normal_modes(model).omega2[0];
-  if (square <= 0.0) return;
-  result.first_resonance = std::sqrt(square);
+  const auto square = lowest_square(machine, kind, result);
+  if (!square || *square <= 0.0) return;
+  result.first_resonance = std::sqrt(*square);
   if (model::leg_type(machine) == model::LegType::strut) return;  // nothing moves the platform
   if (std::ranges::find(result.warnings, Kind::weak_pump, &report::PoseWarning::kind) !=
       result.warnings.end())

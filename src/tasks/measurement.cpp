@@ -289,15 +289,8 @@ void test_steadiness(const IdentifyOptions& options, const Progress& progress, I
   if (stopped) throw base::ComputationError("interrupted");
 }
 
-void add_comparison(const IdentifyOptions& options, Identified& found) {
+void compare_with(const Machine& machine, const IdentifyOptions& options, Identified& found) {
   const auto& measured = found.measured;
-  if (!measured.machine) {
-    if (options.against)
-      base::refuse(fmt::format("--against {}", observation::name(*options.against)),
-                   "there is no machine to compare with: add --machine FILE");
-    return;
-  }
-  const auto& machine = *measured.machine;
   const auto source = options.against         ? *options.against
                       : observed_in(measured) ? *observed_in(measured)
                                               : observation::Observed::mechanics;
@@ -308,6 +301,26 @@ void add_comparison(const IdentifyOptions& options, Identified& found) {
   compared.machine = machine.file.machine.name;
   compared.pose = machine.pose.name;
   found.compared = std::move(compared);
+}
+
+/// What the machine lacks for it is a warning: the modes were found all the same.
+void add_comparison(const IdentifyOptions& options, Identified& found) {
+  const auto& machine = found.measured.machine;
+  if (!machine) {
+    if (options.against)
+      base::refuse(fmt::format("--against {}", observation::name(*options.against)),
+                   "there is no machine to compare with: add --machine FILE");
+    return;
+  }
+  try {
+    compare_with(*machine, options, found);
+  } catch (const base::InputError& error) {
+    for (const auto& lacks : error.diagnostics())
+      add_warning(machine->path,
+                  fmt::format("not compared with the model: {} {}",
+                              lacks.key.empty() ? lacks.file : lacks.key, lacks.message),
+                  found.warnings);
+  }
 }
 
 /// Runs `extra`; that it cannot be had is a warning: the modes were found all the same.

@@ -20,6 +20,8 @@ using testing::HasSubstr;
 using testing::Not;
 
 const std::string published_model = test::source_file("models/zhang-jiang-2021.toml").string();
+const std::string transverse_model =
+    test::source_file("models/zhang-jiang-2021-transverse.toml").string();
 const std::string heavy_model = test::source_file("models/heavy-platform.toml").string();
 
 TEST(Check, TableSaysWhatFollows) {
@@ -101,6 +103,15 @@ TEST(Check, ForcesCarryTheWeight) {
   EXPECT_LT(up, 1.5 * weight);
 }
 
+/// The published file states no stroke: it may be at such a pose.
+TEST(Check, AnswersBeyondAssumedStops) {
+  const auto result = run_hydrapod({"check", transverse_model, "--pose", "z=-240 mm"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_EQ(result.err, "");
+  EXPECT_THAT(result.out, AllOf(HasSubstr("First resonance: "), Not(HasSubstr("position loop")),
+                                testing::EndsWith("\nSound at pose z=-240 mm.\n")));
+}
+
 TEST(Check, NamesThePayloadAtWhichTheLegsFold) {
   const auto light = json_of({"check", published_model, "--set", "environment.gravity=9.81",
                               "--set", "model.flexible_axes=transverse", "--format", "json"});
@@ -122,6 +133,19 @@ TEST(Check, NamesThePayloadAtWhichTheLegsFold) {
               AllOf(testing::EndsWith("\nNot sound: the legs buckle at pose neutral.\n"),
                     HasSubstr("Buckling: the legs buckle under the present load; they carry "),
                     HasSubstr("warning: the legs buckle under the present load: remove ")));
+}
+
+/// Elastomers carry a load for long with their static stiffness alone.
+TEST(Check, GivesItsVerdictWhereTheStaticStiffnessOfTheSealsDoesNotCarry) {
+  const auto result = run_hydrapod(
+      {"check", transverse_model, "--set", "environment.gravity=9.81", "--set",
+       "platform.mass=1500", "--set",
+       "legs.guide_sleeve.elastomer={dynamic_ratio=2, loss_factor=0.2, frequency=10}"});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_EQ(result.err, "error: the machine is not sound\n");
+  EXPECT_THAT(result.out,
+              AllOf(HasSubstr("warning: the legs buckle under the present load: remove "),
+                    testing::EndsWith("\nNot sound: the legs buckle at pose neutral.\n")));
 }
 
 /// So little payload left that the bracket of the search is large against it.

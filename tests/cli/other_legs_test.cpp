@@ -219,7 +219,8 @@ TEST_F(OtherLegs, DrivesNeedLimits) {
                    std::regex_replace(test::screw_file, std::regex("torque_limit[^\n]*\n"), ""));
   constexpr auto missing =
       "legs.screw.torque_limit: error: is missing, and a drive is simulated up to the largest "
-      "torque of its motor; expected this key, or locked motors (--actuators springs) or free motors "
+      "torque of its motor; expected this key, or locked motors (--actuators springs) or free "
+      "motors "
       "(modes --open-loop)\n";
   for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
            {"simulate", "endless.toml", "--command", "step z=2 mm"},
@@ -230,6 +231,25 @@ TEST_F(OtherLegs, DrivesNeedLimits) {
     EXPECT_EQ(result.err, missing) << arguments[0];
   }
   EXPECT_EQ(run({"modes", "endless.toml", "--open-loop"}).exit_code, 0);
+}
+
+/// A controlled machine was recorded; neither of these can be controlled.
+TEST_F(OtherLegs, IdentifiedModesAreKeptWhereTheMachineCannotBeCompared) {
+  const auto rig = run({"rig", "screws.toml", "--duration", "20", "-o", "run.h5"});
+  ASSERT_EQ(rig.exit_code, 0) << rig.err;
+  const auto endless = std::regex_replace(test::screw_file, std::regex("torque_limit.*\n"), "");
+  test::write_text(folder_ / "endless.toml", endless);
+  for (const auto& [file, lacks] :
+       {std::pair{"struts.toml", "legs.strut has no valves, oil and supply"},
+        std::pair{"endless.toml", "legs.screw.torque_limit is missing"}}) {
+    const auto result = run({"identify", "run.h5", "--machine", file, "--format", "json"});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_THAT(result.err, HasSubstr(fmt::format("{}: warning: not compared with the model: {}",
+                                                  file, lacks)));
+    const auto json = nlohmann::json::parse(result.out);
+    EXPECT_FALSE(json["modes"].empty());
+    EXPECT_TRUE(json.value("comparison", nlohmann::json()).is_null());
+  }
 }
 
 }  // namespace

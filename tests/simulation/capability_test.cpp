@@ -270,5 +270,18 @@ TEST(Capability, TheGainLimitIsWhereTheSimulatedMachineBeginsToGrow) {
   EXPECT_GT(growth(1.05 * *able.gain_limit), 0.0);
 }
 
+/// The file states no stroke. The one that is assumed ends above this pose.
+TEST(Capability, BeyondAssumedStopsOnlyTheGainLimitIsLost) {
+  const auto machine = machine_of("zhang-jiang-2021-transverse");
+  auto X = machine.neutral();
+  X.p_BP.z() -= 0.24;
+  const auto able = capability(machine, X, ModelKind::guide);
+  ASSERT_TRUE(able);
+  EXPECT_FALSE(able->gain_limit);
+  for (int d = 0; d < 6; ++d) EXPECT_GT(able->of(Ability::force, d, 0).value, 0.0);
+  EXPECT_LT(able->of(Ability::excursion, 2, 1).value, 1e-9);
+  EXPECT_TRUE(capability(machine, machine.neutral(), ModelKind::guide)->gain_limit);
+}
+
 }  // namespace
 }  // namespace hydrapod::simulation

@@ -88,7 +88,8 @@ struct Capability {
         .at(static_cast<std::size_t>(direction))
         .at(static_cast<std::size_t>(sign));
   }
-  std::optional<double> gain_limit{};  ///< [1/s]; none: no mode of the oil oscillates
+  /// [1/s]; none: no mode of the oil oscillates, or the pistons stand beyond assumed stops.
+  std::optional<double> gain_limit{};
 };
 
 /// Of the model `kind` at the pose. Nothing where the machine does not stand there: no equilibrium,
