@@ -32,8 +32,10 @@ std::string building(const FmuContent& fmu) {
       "<h2>Sources</h2>\n<p>The folder sources holds the C++20 sources of the shared object; "
       "sources/buildDescription.xml says how they are compiled. They need the headers of Eigen "
       "3.4, "
-      "fmt 9, JSON for Modern C++ 3.11, toml++ 3.3 and SUNDIALS 6.4 (Debian 12: libeigen3-dev, libfmt-dev, "
-      "nlohmann-json3-dev, libtomlplusplus-dev, libsundials-dev), and link to three libraries of SUNDIALS:</p>\n"
+      "fmt 9, JSON for Modern C++ 3.11, toml++ 3.3 and SUNDIALS 6.4 (Debian 12: libeigen3-dev, "
+      "libfmt-dev, "
+      "nlohmann-json3-dev, libtomlplusplus-dev, libsundials-dev), and link to three libraries of "
+      "SUNDIALS:</p>\n"
       "<pre>g++ -std=c++20 -O2 -fPIC -shared -fvisibility=hidden -DEIGEN_MAX_ALIGN_BYTES=16 "
       "-DFMT_HEADER_ONLY \\\n  -I sources -I /usr/include/eigen3 $(find sources -name '*.cpp') "
       "\\\n  -lsundials_arkode -lsundials_cvode -lsundials_nvecserial -o {}.so</pre>\n",

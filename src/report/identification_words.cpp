@@ -321,7 +321,8 @@ std::string warning_text(const identification::ModeWarning& w) {
     case Kind::misfit:
       return fmt::format(
           "the modal model misses the responses by {:.1f} times their noise (mean square): a mode "
-          "may be missing, the machine may not be linear, or the inputs may follow the outputs in a "
+          "may be missing, the machine may not be linear, or the inputs may follow the outputs in "
+          "a "
           "loop; the intervals are widened accordingly",
           w.value);
     case Kind::unexplained:

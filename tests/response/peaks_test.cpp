@@ -134,16 +134,16 @@ TEST(Peaks, OfAResponseBetweenTwoDirectionsBelongToTheModeAtTheirFrequency) {
   for (int d = 0; d < 6; ++d) linear.K(d, d) = 100.0 * (1.0 + d) * (1.0 + d);
   linear.K(0, 4) = linear.K(4, 0) = 300.0;
   for (const int d : {0, 4}) linear.K(d, 2) = linear.K(2, d) = weak;
-  const auto model = response::response_model(linear, modal::normal_modes(linear), zeta,
-                                              spatial::Vector3::Zero());
+  const auto model =
+      response::response_model(linear, modal::normal_modes(linear), zeta, spatial::Vector3::Zero());
   constexpr int own = 2;
   const double omega = model.modes.omega(own);
   ASSERT_NEAR(omega, 30.0, 0.1);
   const auto term = [&](int k) {
     const auto phi = model.modes.shapes.col(k);
     const double omega_k = model.modes.omega(k);
-    return std::abs(phi[0] * phi[4]) / std::abs(std::complex(omega_k * omega_k - omega * omega,
-                                                             2.0 * zeta * omega_k * omega));
+    return std::abs(phi[0] * phi[4]) /
+           std::abs(std::complex(omega_k * omega_k - omega * omega, 2.0 * zeta * omega_k * omega));
   };
   ASSERT_LT(term(own), term(0)) << "the largest term is that of another mode";
   EXPECT_EQ(response::mode_behind(model, omega, 0, 4), own);
