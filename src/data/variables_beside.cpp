@@ -60,7 +60,7 @@ constexpr std::array companions{
 /// Endings of what stands beside samples and states their sampling.
 constexpr std::array<std::string_view, 3> sampling_groups{".x_values", "_header", ".x"};
 
-constexpr double unusable = std::numeric_limits<double>::quiet_NaN();
+constexpr double no_rate = std::numeric_limits<double>::quiet_NaN();
 
 /// Does a variable with this name state something of `samples`?
 bool is_beside(const std::string& name, const std::vector<std::string>& samples) {
@@ -109,9 +109,9 @@ std::vector<RateVariable> rates_beside(const std::vector<Variable>& variables,
     auto& list = is_beside(v.name, samples) ? beside : others;
     constexpr double near = 1e-9;  // 1/0.01 is 100
     if (is_one_of(rate_words, v.name))
-      list.push_back({v.number * rate_of(v.unit).value_or(unusable), v.name, v.unit, "Hz, kHz"});
+      list.push_back({v.number * rate_of(v.unit).value_or(no_rate), v.name, v.unit, "Hz, kHz"});
     if (is_one_of(step_words, v.name)) {
-      const double step = v.number * seconds_of(v.unit).value_or(unusable);
+      const double step = v.number * seconds_of(v.unit).value_or(no_rate);
       list.push_back({rounded_rate(1.0 / step, near), v.name, v.unit, "s, ms"});
     }
   }

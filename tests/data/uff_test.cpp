@@ -352,8 +352,8 @@ TEST(Uff, UnknownDatasetsAreSkippedWithANote) {
 }
 
 /// A frequency response of three lines as another program may write it.
-std::string response(const std::string& abscissa, const std::string& force = "N",
-                     const std::string& type = "5", int quantity = 18) {
+std::string foreign_response(const std::string& abscissa, const std::string& force = "N",
+                             const std::string& type = "5", int quantity = 18) {
   const bool real = type == "2" || type == "4";
   return fmt::format(
       "    -1\n    58\nNONE\nNONE\nNONE\nNONE\nNONE\n"
@@ -382,18 +382,18 @@ TEST(Uff, FrequenciesAreInTheUnitOfTheirLabel) {
                                     {"kHz", 1000.0},
                                     {"rad/s", 0.5 / std::numbers::pi},
                                     {"RPM", 1.0 / 60.0}}) {
-    const auto [all, notes] = read_responses(response(unit));
+    const auto [all, notes] = read_responses(foreign_response(unit));
     EXPECT_THAT(notes, testing::IsEmpty()) << unit;
     EXPECT_NEAR(all.frequency.at(2), 2.0 * hertz, 1e-12 * hertz) << unit;
   }
-  const auto [all, notes] = read_responses(response("wobbles"));
+  const auto [all, notes] = read_responses(foreign_response("wobbles"));
   EXPECT_EQ(all.frequency.at(2), 2.0);
   EXPECT_THAT(messages(notes),
               testing::ElementsAre("dataset 1: the unit \"wobbles\" of its abscissa is unknown: "
                                    "taken for Hz"));
-  EXPECT_THAT(refusal_of([] { read_responses(response("mm")); }).message,
+  EXPECT_THAT(refusal_of([] { read_responses(foreign_response("mm")); }).message,
               testing::HasSubstr("the unit of its abscissa is \"mm\"; accepted are Hz, kHz"));
-  EXPECT_THAT(refusal_of([] { read_responses(response("NONE", "N", "5", 17)); }).message,
+  EXPECT_THAT(refusal_of([] { read_responses(foreign_response("NONE", "N", "5", 17)); }).message,
               testing::HasSubstr("its abscissa is time (specific data type 17)"));
 }
 
@@ -413,13 +413,13 @@ TEST(Uff, TimesAreInTheUnitOfTheirLabel) {
 }
 
 TEST(Uff, RealFrequencyResponsesAreRefused) {
-  EXPECT_THAT(refusal_of([] { read_responses(response("Hz", "N", "2")); }).message,
+  EXPECT_THAT(refusal_of([] { read_responses(foreign_response("Hz", "N", "2")); }).message,
               testing::HasSubstr("is a frequency response (function type 4) of real numbers (data "
                                  "type 2), without phases; expected are complex ones"));
 }
 
 TEST(Uff, PoundsOfAForceAreForces) {
-  const auto [all, notes] = read_responses(response("Hz", "lb"));
+  const auto [all, notes] = read_responses(foreign_response("Hz", "lb"));
   EXPECT_EQ(all.inputs.at(0).unit, "N");
   EXPECT_NEAR(all.H[0](0, 0).real(), -3.81956 / 4.4482216152605, 1e-12);
   EXPECT_THAT(messages(notes), testing::Contains("\"lb\" is taken for lbf, pounds of force"));
