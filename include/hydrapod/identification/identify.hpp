@@ -354,8 +354,7 @@ struct LeftOut {
 struct ModeWarning {
   enum class Kind {
     no_mode,       ///< between `from` and `to` [Hz]
-    few_samples,   ///< value: samples per period of the highest mode; `to`: it may be its image, or
-                   ///< 0
+    few_samples,   ///< value: samples per period of the highest mode; may be the image of `to`
     misfit,        ///< value: ModalModel::misfit
     unexplained,   ///< value: Unexplained::level of the worst response, from `from` to `to`; of
                    ///< `count` of `total` responses somewhere in the band
