@@ -261,6 +261,27 @@ TEST_F(DiagnoseCommand, MistakesAreNamed) {
 }
 
 /// The rig writes the pose into the record; nobody has to repeat it.
+TEST_F(DiagnoseCommand, CalculatedModesAreOfMechanicsThatStand) {
+  const auto json_file = [&](const char* name, const std::string& mass) {
+    const auto modes =
+        run_hydrapod({"modes", machine_, "--set", "platform.mass=" + mass, "--format", "json"});
+    return write(name, modes.out);
+  };
+  const auto sound = json_file("sound.json", "14 t");
+  for (const char* other : {"plant", "system"}) {
+    const auto run = run_hydrapod(command({"--measured", sound, "--against", other}));
+    EXPECT_EQ(run.exit_code, 2) << run.out;
+    EXPECT_THAT(run.err, HasSubstr(fmt::format("--against {}: error: {} holds modes that "
+                                               "`hydrapod modes` calculated for the mechanics",
+                                               other, sound)));
+  }
+  const auto buckled = run_hydrapod(command({"--measured", json_file("buckled.json", "18 t")}));
+  EXPECT_EQ(buckled.exit_code, 2) << buckled.out;
+  EXPECT_THAT(buckled.err, HasSubstr("buckled.json: error: holds the modes of a machine that does "
+                                     "not stand"));
+  EXPECT_EQ(run_hydrapod(command({"--measured", sound, "--against", "mechanics"})).exit_code, 0);
+}
+
 TEST_F(DiagnoseCommand, ARecordCountsAtThePoseThatItStates) {
   for (const std::string pose : {"low", "z=-50 mm, ry=1.3 deg"}) {
     const auto record = (folder_ / "run.h5").string();
