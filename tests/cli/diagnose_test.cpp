@@ -10,6 +10,7 @@
 #include <set>
 
 #include "support/json_fields.hpp"
+#include "support/other_legs.hpp"
 
 namespace hydrapod {
 namespace {
@@ -170,6 +171,23 @@ TEST_F(DiagnoseCommand, WithoutAMeasurementSaysWhatTheDropBelongsTo) {
   EXPECT_THAT(run.out, HasSubstr("guide sleeves of all legs 100 %"));
   EXPECT_THAT(run.out, HasSubstr("Required stiffness of the guide sleeves for "));
   EXPECT_THAT(run.out, HasSubstr("guide sleeve of leg 6"));
+}
+
+TEST_F(DiagnoseCommand, SaysWhyRigidLegsHaveNothingToAttribute) {
+  const auto run = run_hydrapod({"diagnose", machine_, "--model", "rigid"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("There is no frequency drop to attribute and no stiffness of "
+                                 "guide sleeves to require: the legs of the rigid model do not "
+                                 "bend."));
+  for (const auto& [option, value] : {std::pair{"--want", "x=5 Hz"}, std::pair{"--poses", "low"}}) {
+    const auto refused = run_hydrapod({"diagnose", machine_, "--model", "rigid", option, value});
+    EXPECT_EQ(refused.exit_code, 2) << refused.out;
+    EXPECT_THAT(refused.err,
+                HasSubstr(fmt::format("{} {}: error: is about guide sleeves", option, value)));
+  }
+  const auto struts = run_hydrapod({"diagnose", write("struts.toml", test::strut_file)});
+  EXPECT_EQ(struts.exit_code, 0) << struts.err;
+  EXPECT_THAT(struts.out, HasSubstr("plain struts have no seals that give way"));
 }
 
 TEST_F(DiagnoseCommand, WrongUnitsBlameNobody) {
