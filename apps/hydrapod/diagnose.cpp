@@ -165,6 +165,17 @@ std::string table_text(const Arguments& a, const model::MachineFile& file,
   return text + attribution_text(found, style) + remedy_text(found, style);
 }
 
+/// Without a measurement, goal and poses are of guide sleeves that give way.
+void require_sleeves(const DiagnosisArguments& asked, const tasks::Machine& machine) {
+  if (!asked.measured.empty() || machine.kind != dynamics::ModelKind::rigid) return;
+  constexpr auto reason =
+      "is about guide sleeves, and the rigid-leg model has none that give way; leave it out, or "
+      "add "
+      "--measured";
+  if (asked.want != DiagnosisArguments{}.want) base::refuse("--want " + asked.want, reason);
+  if (!asked.poses.empty()) base::refuse("--poses " + asked.poses, reason);
+}
+
 void run(const Arguments& a) {
   const auto format = result_format(a.format, a.output, {"table", "json"});
   if (!a.plot.empty()) report::require_picture_ending(a.plot);
@@ -180,6 +191,7 @@ void run(const Arguments& a) {
   const auto machine = load(subject);
   auto options = diagnose_options(asked, machine.file.machine);
   options.measured.pose_given = pose_given;
+  require_sleeves(asked, machine);
   const auto found = with_progress("diagnosing", [&](const auto& progress) {
     return tasks::diagnose(machine, options, progress);
   });

@@ -312,6 +312,19 @@ std::string xml_text(const std::string& text) {
   return out;
 }
 
+/// What only MuJoCo's joints have: inertia of their own.
+void add_joint_inertia_parity(const Mechanism& parts, Parity& parity) {
+  const auto any = [&](double LegMechanism::*inertia) {
+    return std::ranges::any_of(parts.legs, [&](const auto& leg) { return leg.*inertia > 0.0; });
+  };
+  if (any(&LegMechanism::axial_added))
+    parity.push_back({Held::absent, "added axial inertia, oil in lines",
+                      "joints have no inertia of their own in the format"});
+  if (any(&LegMechanism::cross_inertia))
+    parity.push_back({Held::absent, "inertia of the gimbals' crosses",
+                      "joints have no inertia of their own in the format"});
+}
+
 MultibodyFile multibody_file(const Machine& machine, const Pose& X_BP, dynamics::ModelKind kind,
                              MultibodyFormat format) {
   const bool coupled = format == MultibodyFormat::mjcf;
@@ -327,6 +340,7 @@ MultibodyFile multibody_file(const Machine& machine, const Pose& X_BP, dynamics:
   if (lose_offset)
     parity.push_back({Held::absent, "piston offset in its ring",
                       "three joints in one place need links without mass"});
+  if (!coupled) add_joint_inertia_parity(parts, parity);
   const bool bent =
       std::ranges::any_of(parts.legs, [](const auto& l) { return !l.coupled.empty(); });
   if (kind != dynamics::ModelKind::rigid)

@@ -333,6 +333,16 @@ std::string finding_sentence(const Diagnosis& d) {
   return "Measurement and machine file do not match; no cause is identified.";
 }
 
+/// Why there is neither attribution nor remedy; of the machine alone, without a measurement.
+std::string nothing_to_attribute(const CaseFile& file) {
+  const bool struts = model::leg_type(file.machine) == model::LegType::strut;
+  return fmt::format(
+      "There is no frequency drop to attribute and no stiffness of guide sleeves to require: {}. "
+      "Other causes are sought with a measurement (--measured).",
+      struts ? "plain struts have no seals that give way"
+             : "the legs of the rigid model do not bend");
+}
+
 }  // namespace
 
 std::string goal_words(const RemedyGoal& goal) {
@@ -374,6 +384,8 @@ std::vector<std::string> summary(const CaseFile& file) {
           "system of the nominal machine.");
     if (d.interrupted) words.push_back(interrupted);
   }
+  if (!file.diagnosis && file.kind == dynamics::ModelKind::rigid)
+    words.push_back(nothing_to_attribute(file));
   add_attribution(file, words);
   if (file.remedy) words.push_back(remedy_words(file));
   return words;

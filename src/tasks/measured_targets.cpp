@@ -16,9 +16,26 @@ namespace hydrapod::tasks {
 
 namespace {
 
+/// Throws base::InputError where modes that `hydrapod modes` calculated are not those of a machine
+/// that could be measured so: they are of mechanics, and of one that stands.
+void require_measurable(const std::vector<modal::TabledMode>& modes, const std::string& path,
+                        std::optional<observation::Observed> observed) {
+  if (observed && *observed != observation::Observed::mechanics)
+    base::refuse(fmt::format("--against {}", observation::name(*observed)),
+                 fmt::format("{} holds modes that `hydrapod modes` calculated for the mechanics, "
+                             "and they are compared with mechanics alone; expected --against "
+                             "mechanics or auto",
+                             path));
+  if (std::ranges::any_of(modes, [](const auto& entry) { return !entry.mode.stable; }))
+    base::refuse(path,
+                 "holds the modes of a machine that does not stand (\"stable\": false), and such a "
+                 "machine cannot be measured; `hydrapod check` says why it does not");
+}
+
 /// Modes that were calculated: of mechanics, those that the platform feels.
 observation::Targets calculated_targets(const report::Json& json, const std::string& path,
-                                        const model::Machine& machine) {
+                                        const model::Machine& machine,
+                                        std::optional<observation::Observed> observed) {
   constexpr double shape_deviation = 0.05;  // as in lists of modes that do not say it
   observation::Targets targets{.title = path, .deviations_given = false};
   const auto pose = report::pose_from_json(json, path);
@@ -26,7 +43,9 @@ observation::Targets calculated_targets(const report::Json& json, const std::str
     base::refuse(
         path,
         fmt::format("holds modes at pose \"{}\", which the machine file does not have", pose.name));
-  for (const auto& entry : report::modes_from_json(json, path).real.modes) {
+  const auto modes = report::modes_from_json(json, path).real.modes;
+  require_measurable(modes, path, observed);
+  for (const auto& entry : modes) {
     const auto& mode = entry.mode;
     if (!entry.moves_platform || !(mode.omega > 0.0)) continue;
     observation::ModeTarget target{.name = fmt::format("{:.3f} Hz", mode.omega / base::two_pi),
@@ -191,7 +210,7 @@ observation::Targets read_one(const MeasuredFile& file, const Machine& machine,
     if (!json.is_object())
       base::refuse(path, "expected an object of `hydrapod identify` or `hydrapod frf`");
     if (json.contains("matrices") || json.contains("rigid_modes"))
-      return calculated_targets(json, path, of);
+      return calculated_targets(json, path, of, observed);
     if (!json.contains("modes"))
       return identified_targets(responses_from(json, path), {}, path, machine, at, progress,
                                 warnings);

@@ -10,6 +10,7 @@
 #include <set>
 
 #include "support/json_fields.hpp"
+#include "support/other_legs.hpp"
 
 namespace hydrapod {
 namespace {
@@ -172,6 +173,23 @@ TEST_F(DiagnoseCommand, WithoutAMeasurementSaysWhatTheDropBelongsTo) {
   EXPECT_THAT(run.out, HasSubstr("guide sleeve of leg 6"));
 }
 
+TEST_F(DiagnoseCommand, SaysWhyRigidLegsHaveNothingToAttribute) {
+  const auto run = run_hydrapod({"diagnose", machine_, "--model", "rigid"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("There is no frequency drop to attribute and no stiffness of "
+                                 "guide sleeves to require: the legs of the rigid model do not "
+                                 "bend."));
+  for (const auto& [option, value] : {std::pair{"--want", "x=5 Hz"}, std::pair{"--poses", "low"}}) {
+    const auto refused = run_hydrapod({"diagnose", machine_, "--model", "rigid", option, value});
+    EXPECT_EQ(refused.exit_code, 2) << refused.out;
+    EXPECT_THAT(refused.err,
+                HasSubstr(fmt::format("{} {}: error: is about guide sleeves", option, value)));
+  }
+  const auto struts = run_hydrapod({"diagnose", write("struts.toml", test::strut_file)});
+  EXPECT_EQ(struts.exit_code, 0) << struts.err;
+  EXPECT_THAT(struts.out, HasSubstr("plain struts have no seals that give way"));
+}
+
 TEST_F(DiagnoseCommand, WrongUnitsBlameNobody) {
   const auto run = run_hydrapod(command({"--measured", modes(1000.0)}));
   EXPECT_EQ(run.exit_code, 0);
@@ -261,6 +279,27 @@ TEST_F(DiagnoseCommand, MistakesAreNamed) {
 }
 
 /// The rig writes the pose into the record; nobody has to repeat it.
+TEST_F(DiagnoseCommand, CalculatedModesAreOfMechanicsThatStand) {
+  const auto json_file = [&](const char* name, const std::string& mass) {
+    const auto modes =
+        run_hydrapod({"modes", machine_, "--set", "platform.mass=" + mass, "--format", "json"});
+    return write(name, modes.out);
+  };
+  const auto sound = json_file("sound.json", "14 t");
+  for (const char* other : {"plant", "system"}) {
+    const auto run = run_hydrapod(command({"--measured", sound, "--against", other}));
+    EXPECT_EQ(run.exit_code, 2) << run.out;
+    EXPECT_THAT(run.err, HasSubstr(fmt::format("--against {}: error: {} holds modes that "
+                                               "`hydrapod modes` calculated for the mechanics",
+                                               other, sound)));
+  }
+  const auto buckled = run_hydrapod(command({"--measured", json_file("buckled.json", "18 t")}));
+  EXPECT_EQ(buckled.exit_code, 2) << buckled.out;
+  EXPECT_THAT(buckled.err, HasSubstr("buckled.json: error: holds the modes of a machine that does "
+                                     "not stand"));
+  EXPECT_EQ(run_hydrapod(command({"--measured", sound, "--against", "mechanics"})).exit_code, 0);
+}
+
 TEST_F(DiagnoseCommand, ARecordCountsAtThePoseThatItStates) {
   for (const std::string pose : {"low", "z=-50 mm, ry=1.3 deg"}) {
     const auto record = (folder_ / "run.h5").string();

@@ -224,5 +224,27 @@ TEST(LegTypes, AMissingTableSaysWhatWouldDoToo) {
                         "[legs.strut], in place of all parts of a cylinder would do too"));
 }
 
+/// The model has them in all legs or in none.
+TEST(LegTypes, PistonRingsOfSomeLegsOnlyAreNamed) {
+  const auto warnings = [](const std::vector<std::string>& overrides) {
+    std::vector<std::string> texts;
+    for (const auto& warning : parse_machine(sound_machine_file, "m.toml", overrides).warnings)
+      texts.push_back(warning.text());
+    return texts;
+  };
+  const std::string ring = ".piston_ring={ stiffness = 3e7 }";
+  EXPECT_THAT(
+      warnings({"leg.2" + ring}),
+      testing::ElementsAre(
+          "--set leg.2.piston_ring={ stiffness = 3e7 }: warning: leg.2.piston_ring: has no effect, "
+          "since legs 1, 3, 4, 5, 6 have no piston ring: the model is that of the guide sleeves "
+          "alone; give all legs a ring (legs.piston_ring), a stiff one where there is none, or "
+          "take this one out"));
+  EXPECT_THAT(
+      warnings({"leg.1" + ring, "leg.2" + ring, "leg.3" + ring, "leg.4" + ring, "leg.6" + ring}),
+      testing::ElementsAre(HasSubstr("since leg 5 has no piston ring")));
+  EXPECT_THAT(warnings({"legs" + ring}), testing::IsEmpty());
+}
+
 }  // namespace
 }  // namespace hydrapod::model
