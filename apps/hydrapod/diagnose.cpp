@@ -170,8 +170,7 @@ void require_sleeves(const DiagnosisArguments& asked, const tasks::Machine& mach
   if (!asked.measured.empty() || machine.kind != dynamics::ModelKind::rigid) return;
   constexpr auto reason =
       "is about guide sleeves, and the rigid-leg model has none that give way; leave it out, or "
-      "add "
-      "--measured";
+      "add --measured";
   if (asked.want != DiagnosisArguments{}.want) base::refuse("--want " + asked.want, reason);
   if (!asked.poses.empty()) base::refuse("--poses " + asked.poses, reason);
 }
