@@ -321,7 +321,7 @@ double relaxed_damping(std::span<const dynamics::RelaxingArm> arms, const ModelV
 LinearModel at_lowest_resonance(LinearModel model) {
   constexpr int rounds = 3;
   const auto is_of_seal = [](const auto& arm) { return arm.what != dynamics::Relaxing::oil; };
-  if (std::ranges::none_of(model.arms, is_of_seal)) return model;
+  if (!std::ranges::any_of(model.arms, is_of_seal)) return model;
   const auto quick = model.K;
   for (int round = 0; round < rounds; ++round) {
     const double omega = normal_modes(model).omega(0);
