@@ -165,11 +165,11 @@ std::string table_text(const Arguments& a, const model::MachineFile& file,
   return text + attribution_text(found, style) + remedy_text(found, style);
 }
 
-/// Without a measurement, goal and poses are of guide sleeves that give way.
+/// Without a measurement, goal and poses are of compliant guide sleeves.
 void require_sleeves(const DiagnosisArguments& asked, const tasks::Machine& machine) {
   if (!asked.measured.empty() || machine.kind != dynamics::ModelKind::rigid) return;
   constexpr auto reason =
-      "is about guide sleeves, and the rigid-leg model has none that give way; leave it out, or "
+      "is about guide sleeves, and the rigid-leg model has none; leave it out, or "
       "add --measured";
   if (asked.want != DiagnosisArguments{}.want) base::refuse("--want " + asked.want, reason);
   if (!asked.poses.empty()) base::refuse("--poses " + asked.poses, reason);

@@ -339,8 +339,7 @@ std::string nothing_to_attribute(const CaseFile& file) {
   return fmt::format(
       "There is no frequency drop to attribute and no stiffness of guide sleeves to require: {}. "
       "Other causes are sought with a measurement (--measured).",
-      struts ? "plain struts have no seals that give way"
-             : "the legs of the rigid model do not bend");
+      struts ? "plain struts have no seals" : "the legs of the rigid model do not bend");
 }
 
 }  // namespace
