@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hydrapod/modal/damped_modes.hpp"
 #include "ranking.hpp"
 
 namespace hydrapod::diagnosis {
@@ -46,7 +45,7 @@ std::array<FirstResonance, 6> first_resonances(const model::Machine& machine,
       dynamics::linear_model(without_mount_and_gimbals(machine), X_BP, dynamics::ModelKind::rigid);
   const auto rigid_modes = modal::normal_modes(rigid);
   const auto energies = modal::energy_shares(rigid, rigid_modes.shapes);
-  const auto flexible = modal::at_lowest_resonance(dynamics::linear_model(machine, X_BP, kind));
+  const auto flexible = dynamics::linear_model(machine, X_BP, kind);
   const auto modes = modal::normal_modes(flexible);
   std::array<FirstResonance, 6> result;
   for (int r = 0; r < 6; ++r) {

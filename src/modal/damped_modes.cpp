@@ -318,22 +318,6 @@ double relaxed_damping(std::span<const dynamics::RelaxingArm> arms, const ModelV
   return damping;
 }
 
-LinearModel at_lowest_resonance(LinearModel model) {
-  constexpr int rounds = 3;
-  const auto is_of_seal = [](const auto& arm) { return arm.what != dynamics::Relaxing::oil; };
-  if (!std::ranges::any_of(model.arms, is_of_seal)) return model;
-  const auto quick = model.K;
-  for (int round = 0; round < rounds; ++round) {
-    const double omega = normal_modes(model).omega(0);
-    model.K = quick;
-    for (const auto& arm : model.arms)
-      if (is_of_seal(arm))
-        model.K -=
-            dynamics::softening_at(arm, std::max(omega, 0.0)) * arm.s_y * arm.s_y.transpose();
-  }
-  return model;
-}
-
 ModelMatrix modal_damping_matrix(const LinearModel& model, const NormalModes& modes, double ratio) {
   const int n = modes.size();
   ModelMatrix Gamma = ModelMatrix::Zero(n, n);

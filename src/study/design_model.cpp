@@ -249,7 +249,7 @@ double step_of(const Input& change, double value) {
 
 ModesAndDerivatives DesignModel::Parts::modes(std::span<const double> values, ModelKind of) const {
   const auto center = dynamics::linear_model(machine_of(machine, changes, values), X_BP, of);
-  ModesAndDerivatives result{.modes = modal::normal_modes(modal::at_lowest_resonance(center))};
+  ModesAndDerivatives result{.modes = modal::normal_modes(center)};
   std::vector<modal::ModelDerivative> derivatives;
   std::vector<double> moved(values.begin(), values.end());
   Eigen::VectorXd scales(static_cast<Eigen::Index>(changes.size()));

@@ -8,7 +8,6 @@
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/units.hpp"
-#include "hydrapod/modal/damped_modes.hpp"
 #include "hydrapod/modal/mode_table.hpp"
 #include "hydrapod/spatial/pose.hpp"
 
@@ -142,8 +141,7 @@ std::vector<Column> columns_of(const Kept& kept) {
 }
 
 Nominal nominal_of(const model::Machine& machine, const MachineOptions& options) {
-  Nominal nominal{.flexible = modal::at_lowest_resonance(
-                      dynamics::linear_model(machine, options.X_BP, options.kind)),
+  Nominal nominal{.flexible = dynamics::linear_model(machine, options.X_BP, options.kind),
                   .rigid = dynamics::linear_model(machine, options.X_BP, ModelKind::rigid),
                   .X_BP = options.X_BP};
   nominal.modes = modal::normal_modes(nominal.flexible);

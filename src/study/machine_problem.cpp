@@ -8,7 +8,6 @@
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/kinematics/legs.hpp"
-#include "hydrapod/modal/damped_modes.hpp"
 #include "hydrapod/spatial/pose.hpp"
 #include "hydrapod/study/study.hpp"
 #include "lane_designs.hpp"
@@ -224,7 +223,6 @@ class Evaluation {
 
   void finish_alone(Sample& sample) {
     try {
-      *sample.flexible = modal::at_lowest_resonance(std::move(*sample.flexible));
       const auto modes = modal::normal_modes(*sample.flexible);
       if (modes.omega2[0] > 0.0 && !sample.rigid)
         return set(sample.outputs, Status::no_equilibrium);

@@ -7,7 +7,6 @@
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/diagnosis/diagnose.hpp"
 #include "hydrapod/hydraulics/servo_axis.hpp"
-#include "hydrapod/modal/damped_modes.hpp"
 #include "hydrapod/modal/normal_modes.hpp"
 #include "hydrapod/tasks/linear.hpp"
 
@@ -255,8 +254,7 @@ void add_columns(const model::Machine& machine, const CheckOptions& options, Pos
 std::optional<double> lowest_square(const model::Machine& machine, dynamics::ModelKind kind,
                                     const PoseCheck& result) {
   try {
-    const auto model =
-        modal::at_lowest_resonance(dynamics::linear_model(machine, result.pose.X_BP, kind));
+    const auto model = dynamics::linear_model(machine, result.pose.X_BP, kind);
     return modal::normal_modes(model).omega2[0];
   } catch (const base::ComputationError&) {
     if (report::is_sound(result)) throw;

@@ -226,29 +226,5 @@ TEST(ModalRatio, IsTwoPercentOnlyWhereNothingElseDamps) {
   expect_none_with([](auto& m) { m.damping.rayleigh_stiffness = 1e-5; });
 }
 
-/// The undamped frequency of seals that are as stiff as at it is |λ| but for ζ². With those of
-/// quick motions it is too high by per cents.
-TEST(DampedModes, OfElastomersAreNearUndampedOnesAtTheLowestFrequency) {
-  Random random(731);
-  for (int trial = 0; trial < 5; ++trial) {
-    auto machine = random_machine(random);
-    machine.damping = {.modal_ratio = 0.0};
-    for (auto& leg : machine.legs) {
-      leg.guide_sleeve.damping = leg.oil_spring.damping = 0.0;
-      leg.piston_ring.reset();
-    }
-    const auto hard = linear(machine, ModelKind::guide);
-    EXPECT_EQ(modal::at_lowest_resonance(hard).K, hard.K);
-    for (auto& leg : machine.legs)
-      leg.guide_sleeve.elastomer = {.dynamic_ratio = 1.83, .loss_factor = 0.17, .frequency = 9.3};
-    const auto quick = linear(machine, ModelKind::guide);
-    const auto modes = damped(quick);
-    const double lowest = modal::normal_modes(modal::at_lowest_resonance(quick)).omega(0);
-    const double zeta = modes[0].damping_ratio;
-    EXPECT_NEAR(lowest, modes[0].omega, (zeta * zeta + 1e-4) * modes[0].omega) << zeta;
-    EXPECT_GT(modal::normal_modes(quick).omega(0), lowest * (1.0 + 3.0 * zeta * zeta));
-  }
-}
-
 }  // namespace
 }  // namespace hydrapod::test

@@ -58,11 +58,6 @@ struct DampedMode {
 std::vector<DampedMode> damped_modes(const LinearModel& model, const NormalModes& modes,
                                      double ratio);
 
-/// Seals with elastomers are as stiff in K as at quick motions. Here they are as stiff as at the
-/// frequency of the lowest mode: the undamped modes are then near the damped ones, for what is
-/// looked for among undamped modes. Other models come back as they are.
-LinearModel at_lowest_resonance(LinearModel model);
-
 /// Γ = Φᵀ C Φ + diag(2 ζ ω).
 ModelMatrix modal_damping_matrix(const LinearModel& model, const NormalModes& modes, double ratio);
 
