@@ -93,10 +93,12 @@ bool only_shapes_differ(const Diagnosis& d) {
   return !more && goodness(d, d.nominal()).frequencies.probability() >= usual_frequencies;
 }
 
-/// No candidate is shown to be the cause, and the nominal machine meets the data as it is.
+/// No candidate is shown to be the cause, and the nominal machine meets the data as it is, shapes
+/// included.
 bool needs_no_cause(const Diagnosis& d) {
-  return d.unexplained == Unexplained::unlisted &&
-         goodness(d, d.nominal()).probability >= usual_frequencies;
+  const bool none_shown =
+      d.unexplained == Unexplained::unlisted || d.unexplained == Unexplained::shapes_only;
+  return none_shown && goodness(d, d.nominal()).probability >= usual_frequencies;
 }
 
 std::size_t index_of_nominal(const Diagnosis& d) {
