@@ -103,7 +103,9 @@ TEST(StateSpaceOfDrives, HasPolesAndResponseOfTheWholeSystem) {
   const auto poles = simulation::system_poles(linear);
   const auto system = state_space(machine, machine.neutral(), {.system = SystemKind::loop});
   EXPECT_EQ(system.A, linear.A);
-  const VectorXcd found = numerics::eigenvalues(system.A);
+  const Eigen::VectorXd d = numerics::balancing(system.A);
+  const VectorXcd found =
+      numerics::eigenvalues(d.cwiseInverse().asDiagonal() * system.A * d.asDiagonal());
   for (const auto& pole : poles.poles)
     EXPECT_LT((found.array() - pole.pole).abs().minCoeff(), 1e-10 * found.cwiseAbs().maxCoeff())
         << pole.pole;

@@ -86,7 +86,7 @@ TEST_F(SensorChanged, TheRecordThatDiffersFromMostIsNamed) {
     std::vector<std::string> files;
     for (int k = 0; k < 3; ++k) {
       auto record =
-          sound_record(static_cast<std::uint64_t>(10 + k), three_masses(), 9000 + 1700 * k);
+          sound_record(static_cast<std::uint64_t>(10 + k), three_masses(), 24000 + 1700 * k);
       if (k == wrong) record.samples.col(3) *= -1.0;
       files.push_back(written(fmt::format("p{}.h5", k).c_str(), record));
     }
@@ -99,14 +99,14 @@ TEST_F(SensorChanged, TheRecordThatDiffersFromMostIsNamed) {
 }
 
 TEST_F(SensorChanged, WithinARecordItsTimeIsNamed) {
-  auto record = sound_record(4, three_masses(), 40000);
-  record.samples.col(1).tail(10000) *= -1.0;
+  auto record = sound_record(4, three_masses(), 100000);
+  record.samples.col(1).tail(25000) *= -1.0;
   const auto found = identified({written("run.h5", record)});
   const auto changed = changed_in(found);
   ASSERT_EQ(changed.size(), 1U);
   EXPECT_EQ(changed[0].channel, "d1");
-  EXPECT_NEAR(changed[0].lowest, 500.0, 10.0);
-  EXPECT_NEAR(changed[0].highest, 666.7, 10.0);
+  EXPECT_NEAR(changed[0].lowest, 1250.0, 25.0);
+  EXPECT_NEAR(changed[0].highest, 1666.7, 25.0);
   EXPECT_TRUE(std::ranges::any_of(found.warnings, [](const base::Diagnostic& d) {
     return d.message.find("in the rest of the record") != std::string::npos;
   }));
