@@ -198,7 +198,7 @@ TEST(ShortRecords, ALoopWithoutInstrumentsIsRefused) {
 /// Unasked, it is averaged, and that is biased by noise in the loop.
 TEST(ShortRecords, ALoopWithoutInstrumentsIsAveragedWithAWarning) {
   const auto record =
-      without_excitation(foreign_loop_record(foreign_plant(), {.duration = 20.0, .seed = 4}));
+      without_excitation(foreign_loop_record(foreign_plant(), {.duration = 8.0, .seed = 4}));
   const auto m = measured({record}, {.for_modes = true});
   EXPECT_EQ(m.record, nullptr);
   const auto& warnings = m.responses.warnings;
