@@ -169,8 +169,8 @@ std::string table_text(const Arguments& a, const model::MachineFile& file,
 void require_sleeves(const DiagnosisArguments& asked, const tasks::Machine& machine) {
   if (!asked.measured.empty() || machine.kind != dynamics::ModelKind::rigid) return;
   constexpr auto reason =
-      "is about guide sleeves, and the rigid-leg model has none; leave it out, or "
-      "add --measured";
+      "is about guide sleeves, and the rigid-leg model has none; leave it out, or add "
+      "--measured";
   if (asked.want != DiagnosisArguments{}.want) base::refuse("--want " + asked.want, reason);
   if (!asked.poses.empty()) base::refuse("--poses " + asked.poses, reason);
 }

@@ -217,8 +217,10 @@ void write_file_whole(const std::string& path, std::string_view text) {
   const fs::file_status status = fs::status(target, ignored);
   if (fs::is_directory(status)) refuse(path, EISDIR);
   if (fs::exists(status) && !fs::is_regular_file(status)) return write_directly(target, text);
-  if (fs::exists(status)) refuse_what_must_stay(target, path);
-  if (fs::exists(status) && ::access(target.c_str(), W_OK) != 0) refuse(path, errno);
+  if (fs::exists(status)) {
+    refuse_what_must_stay(target, path);
+    if (::access(target.c_str(), W_OK) != 0) refuse(path, errno);
+  }
   write_beside_and_rename(target, path, text);
   was_made(target);
 }
@@ -239,8 +241,10 @@ PartFile::PartFile(const std::string& path) : path_(path) {
   if (fs::is_directory(status)) refuse(path, EISDIR);
   if (replaces_ && !fs::is_regular_file(status))
     refuse(path, "cannot write the file: it is a device or pipe");
-  if (replaces_) refuse_what_must_stay(target_, path);
-  if (replaces_ && ::access(target_.c_str(), W_OK) != 0) refuse(path, errno);
+  if (replaces_) {
+    refuse_what_must_stay(target_, path);
+    if (::access(target_.c_str(), W_OK) != 0) refuse(path, errno);
+  }
   const auto [name, descriptor] = make_new_file(target_ + ".part", target_, path);
   const Descriptor file(descriptor);
   part_ = name;

@@ -113,21 +113,11 @@ void describe(Fields& f, identification::LeftOut& left) {
   f.word("reason", left.reason, words_of<identification::Objection, 7>(words));
 }
 
-namespace {
-
-/// Null beyond the last kind.
-const char* code(identification::ModeWarning::Kind kind) {
-  constexpr std::array all{"no_mode", "few_samples",  "misfit",     "unexplained",
-                           "wanders", "short_blocks", "peaks_above"};
-  const auto at = static_cast<std::size_t>(kind);
-  return at < all.size() ? all[at] : nullptr;
-}
-
-}  // namespace
-
 template <class Fields>
 void describe(Fields& f, identification::ModeWarning& warning) {
-  f.word("kind", warning.kind, all_codes<identification::ModeWarning::Kind>(code));
+  static constexpr std::array kinds{"no_mode", "few_samples",  "misfit",     "unexplained",
+                                    "wanders", "short_blocks", "peaks_above"};
+  f.word("kind", warning.kind, kinds);
   f("value", warning.value);
   f("from_hz", warning.from);
   f("to_hz", warning.to);
@@ -150,8 +140,7 @@ void describe(Fields& f, AnyWarning& warning) {
   if constexpr (Fields::reads) {
     std::string kind;
     f("kind", kind);
-    const auto codes = all_codes<data::ResponseWarning::Kind>(code);
-    if (std::ranges::find(codes, kind) != codes.end()) warning.own = data::ResponseWarning{};
+    if (std::ranges::count(response_warning_words, kind) > 0) warning.own = data::ResponseWarning{};
   }
   std::visit([&](auto& own) { describe(f, own); }, warning.own);
 }

@@ -322,8 +322,7 @@ std::string warning_text(const identification::ModeWarning& w) {
       return fmt::format(
           "the modal model misses the responses by {:.1f} times their noise (mean square): a mode "
           "may be missing, the machine may not be linear, or the inputs may follow the outputs in "
-          "a "
-          "loop; the intervals are widened accordingly",
+          "a loop; the intervals are widened accordingly",
           w.value);
     case Kind::unexplained:
       return fmt::format(
