@@ -289,8 +289,10 @@ StateSpace with_actuators(const Machine& machine, const Pose& X_BP,
   system.B.resize(linear.A.rows(), commands + 12);
   if (closed) system.B.leftCols(12) << linear.B_command, linear.B_velocity;
   system.B.rightCols(12) << linear.B_valve, linear.B_wrench;
-  if (closed) set_outputs(rows, linear.applied, system);
-  if (!closed) system.C = rows.C;
+  if (closed)
+    set_outputs(rows, linear.applied, system);
+  else
+    system.C = rows.C;
   system.D.conservativeResize(rows.C.rows(), commands + 12);
   system.D.rightCols(12) << rows.commands, rows.wrench;
   return system;
