@@ -58,9 +58,9 @@ const model::Leg& leg_with(const model::MachineFile& file, Leg leg, const std::s
 /// is looked for among those that seals have.
 Cause softer(const model::MachineFile& file, Cause cause, const std::string& path, double value,
              double factor) {
-  constexpr double rigid = 1e9, softest = 1e4, usual = 1e7;  // [N/m]
+  constexpr double like_rigid = 1e9, softest = 1e4, usual = 1e7;  // [N/m]
   auto free = within(path, value, factor);
-  if (value > rigid) {
+  if (value > like_rigid) {
     free.start = usual;
     free.lower = softest;
     cause.changes = {change(file, path, usual)};
