@@ -8,7 +8,7 @@
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/dynamics/linear_model.hpp"
-#include "hydrapod/modal/normal_modes.hpp"
+#include "hydrapod/modal/damped_modes.hpp"
 #include "hydrapod/model/machine_file.hpp"
 #include "hydrapod/study/study.hpp"
 #include "hydrapod/tasks/linear.hpp"
@@ -38,7 +38,8 @@ model::ParameterId found(const Subject& machine, const std::string& path) {
                                  (near.empty() ? "" : "; did you mean '" + near + "'?"));
 }
 
-/// Undamped frequencies [Hz] of the design with `numbers` at `ids`; NaN where it does not stand.
+/// Frequencies [Hz] of modal::modes_with_elastomers() of the design with `numbers` at `ids`; NaN
+/// where it does not stand.
 void design_frequencies(const Subject& machine, const std::vector<model::ParameterId>& ids,
                         const double* numbers, double* out, int modes) {
   std::vector<model::Assignment> assignments;
@@ -46,8 +47,8 @@ void design_frequencies(const Subject& machine, const std::vector<model::Paramet
   for (std::size_t c = 0; c < ids.size(); ++c) assignments.push_back({ids[c], numbers[c]});
   try {
     const auto design = model::with(machine.file.machine, assignments);
-    const auto found =
-        modal::normal_modes(dynamics::linear_model(design, machine.pose.X_BP, machine.kind));
+    const auto model = dynamics::linear_model(design, machine.pose.X_BP, machine.kind);
+    const auto found = modal::modes_with_elastomers(design, model);
     for (int m = 0; m < modes; ++m) out[m] = found.omega(m) / base::two_pi;
   } catch (const base::ComputationError&) {
     std::fill(out, out + modes, std::numeric_limits<double>::quiet_NaN());

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <complex>
 
-#include "hydrapod/observation/pairing.hpp"
 
 namespace hydrapod::calibration {
 
@@ -203,20 +202,12 @@ bool is_shifted_by_damping(const dynamics::LinearModel& model) {
 
 void add_damped(double modal_ratio, ModePoint& point) {
   const auto damped = modal::damped_modes(point.model, point.modes, modal_ratio);
-  const dynamics::ModelMatrix momenta = point.model.M * point.modes.shapes;
-  const auto count = static_cast<std::size_t>(point.modes.size());
-  // where modes do not oscillate there are fewer
-  Eigen::MatrixXd alike = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(count),
-                                                std::ssize(damped) + point.modes.size());
-  for (std::size_t j = 0; j < damped.size(); ++j)
-    alike.col(static_cast<Eigen::Index>(j)) =
-        (momenta.transpose() * damped[j].real).cwiseAbs2() +
-        (momenta.transpose() * damped[j].imaginary).cwiseAbs2();
-  point.damped.assign(count, {});
-  const auto mode_of = observation::assign((alike.maxCoeff() - alike.array()).matrix());
-  for (std::size_t k = 0; k < count; ++k) {
-    const auto j = static_cast<std::size_t>(mode_of[k]);
-    if (j < damped.size() && damped[j].pole.imag() > 0.0) point.damped[k] = damped[j];
+  const auto counterparts = modal::damped_counterparts(point.model, point.modes, damped);
+  point.damped.assign(counterparts.size(), {});
+  for (std::size_t k = 0; k < counterparts.size(); ++k) {
+    if (counterparts[k] < 0) continue;
+    const auto& mode = damped[static_cast<std::size_t>(counterparts[k])];
+    if (mode.pole.imag() > 0.0) point.damped[k] = mode;
   }
 }
 

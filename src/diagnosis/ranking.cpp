@@ -318,7 +318,7 @@ std::vector<std::pair<const Resonance*, const Resonance*>> same_resonances(
       cost(i, j) = std::abs(std::log(x.omega / y.omega)) + 1.0 - mac(x, y);
     }
   std::vector<std::pair<const Resonance*, const Resonance*>> pairs;
-  const auto column_of = observation::assign(cost);
+  const auto column_of = numerics::assign(cost);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const auto &x = rows[i], &y = columns[static_cast<std::size_t>(column_of[i])];
     if (mac(x, y) >= same_motion) pairs.emplace_back(turned ? &y : &x, turned ? &x : &y);

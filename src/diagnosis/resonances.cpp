@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hydrapod/modal/damped_modes.hpp"
 #include "ranking.hpp"
 
 namespace hydrapod::diagnosis {
@@ -46,7 +47,7 @@ std::array<FirstResonance, 6> first_resonances(const model::Machine& machine,
   const auto rigid_modes = modal::normal_modes(rigid);
   const auto energies = modal::energy_shares(rigid, rigid_modes.shapes);
   const auto flexible = dynamics::linear_model(machine, X_BP, kind);
-  const auto modes = modal::normal_modes(flexible);
+  const auto modes = modal::modes_with_elastomers(machine, flexible);
   std::array<FirstResonance, 6> result;
   for (int r = 0; r < 6; ++r) {
     const auto& energy = energies[static_cast<std::size_t>(r)];

@@ -15,7 +15,10 @@ namespace {
 class LoadPath {
  public:
   LoadPath(const model::Machine& machine, const spatial::Pose& X_BP, ModelKind kind)
-      : of_file_(machine), machine_(machine), X_BP_(X_BP), kind_(kind) {}
+      : of_file_(machine), machine_(machine), X_BP_(X_BP), kind_(kind) {
+    // where the supply holds no more is no buckling: the oil springs of the file carry any load
+    machine_.damping.oil = model::OilDamping::viscous;
+  }
 
   /// True when it stands stably with this platform mass: an equilibrium, and K positive definite.
   bool stands(double mass) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/numerics/dense.hpp"
@@ -350,6 +351,51 @@ std::vector<DampedMode> damped_modes(const LinearModel& model, const NormalModes
     first += size;
   }
   return list;
+}
+
+std::vector<int> damped_counterparts(const LinearModel& model, const NormalModes& modes,
+                                     const std::vector<DampedMode>& damped) {
+  const ModelMatrix momenta = model.M * modes.shapes;
+  const auto found = static_cast<Eigen::Index>(damped.size());
+  Eigen::MatrixXd alike = Eigen::MatrixXd::Zero(modes.size(), found + modes.size());
+  for (Eigen::Index j = 0; j < found; ++j) {
+    const auto& mode = damped[static_cast<std::size_t>(j)];
+    alike.col(j) = (momenta.transpose() * mode.real).cwiseAbs2() +
+                   (momenta.transpose() * mode.imaginary).cwiseAbs2();
+  }
+  auto counterparts = numerics::assign((alike.maxCoeff() - alike.array()).matrix());
+  for (int& number : counterparts)
+    if (number >= found) number = -1;
+  return counterparts;
+}
+
+NormalModes modes_with_elastomers(const model::Machine& machine, const LinearModel& model) {
+  const auto modes = normal_modes(model);
+  if (model.kind == dynamics::ModelKind::rigid || !model::has_elastomers(machine)) return modes;
+  const auto damped = damped_modes(model, modes, modal_ratio(machine).value);
+  const auto counterparts = damped_counterparts(model, modes, damped);
+  // modes that repeat have one damped frequency but for rounding
+  Eigen::VectorXd of_group = Eigen::VectorXd::Zero(modes.size()), size = of_group;
+  for (int k = 0; k < modes.size(); ++k) {
+    const int number = counterparts[static_cast<std::size_t>(k)];
+    const auto* mode = number < 0 ? nullptr : &damped[static_cast<std::size_t>(number)];
+    const bool swings = mode != nullptr && mode->pole.imag() > 0.0 && modes.omega2[k] > 0.0;
+    of_group[modes.group[k]] += swings ? mode->omega * mode->omega : modes.omega2[k];
+    size[modes.group[k]] += 1.0;
+  }
+  std::vector<int> order(static_cast<std::size_t>(modes.size()));
+  std::iota(order.begin(), order.end(), 0);
+  const auto square = [&](int k) { return of_group[modes.group[k]] / size[modes.group[k]]; };
+  std::ranges::stable_sort(order, {}, square);
+  NormalModes result = modes;
+  for (int k = 0, group = 0; k < modes.size(); ++k) {
+    const int from = order[static_cast<std::size_t>(k)];
+    if (k > 0 && modes.group[from] != modes.group[order[static_cast<std::size_t>(k) - 1]]) ++group;
+    result.omega2[k] = square(from);
+    result.shapes.col(k) = modes.shapes.col(from);
+    result.group[k] = group;
+  }
+  return result;
 }
 
 }  // namespace hydrapod::modal

@@ -219,7 +219,7 @@ ModeComparison compare_modes(const data::ModalResults& found, std::vector<Observ
   result.outputs = some.outputs;
   const Shapes shapes = shapes_of(found, result.model, some, frame);
   const auto costs = pair_costs(found, shapes, highest_damping, options, result);
-  const auto partner = assign(costs.cost);
+  const auto partner = numerics::assign(costs.cost);
   std::vector<bool> taken(result.model.size(), false);
   for (std::size_t r = 0; r < partner.size(); ++r) {
     const auto m = static_cast<std::size_t>(partner[r]);

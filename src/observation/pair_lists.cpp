@@ -59,7 +59,7 @@ std::vector<ListedPair> pair_lists(const ModeList& first, const ModeList& second
       if (with_shapes) cost(r, m) += shape_cost(shown(r, m), alone(r, m), 1.0, options);
     }
   std::vector<ListedPair> pairs;
-  const auto partner = assign(cost);
+  const auto partner = numerics::assign(cost);
   for (std::size_t r = 0; r < partner.size(); ++r) {
     if (partner[r] >= columns) continue;
     ListedPair pair{.first = static_cast<int>(r), .second = partner[r]};

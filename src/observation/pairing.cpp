@@ -11,6 +11,7 @@
 #include <tuple>
 
 #include "hydrapod/modal/mode_table.hpp"
+#include "hydrapod/numerics/dense.hpp"
 #include "pair_cost.hpp"
 
 namespace hydrapod::observation {
@@ -26,56 +27,6 @@ using spatial::Matrix6;
 Vector6c turned_to_real(const Vector6c& motion) {
   const Complex sum = motion.cwiseProduct(motion).sum();
   return (motion * std::polar(1.0, -0.5 * std::arg(sum))).real().cast<Complex>();
-}
-
-std::vector<int> assign(const Eigen::MatrixXd& cost) {
-  const auto rows = static_cast<int>(cost.rows()), columns = static_cast<int>(cost.cols());
-  if (rows > columns)
-    throw std::invalid_argument(
-        fmt::format("{} targets cannot each have one of {} modes", rows, columns));
-  if (!cost.allFinite()) throw std::invalid_argument("the costs of an assignment are not finite");
-  // Shortest augmenting paths with potentials u, v; row and column 0 are a sentinel.
-  constexpr double far = std::numeric_limits<double>::infinity();
-  std::vector<double> u(rows + 1, 0.0), v(columns + 1, 0.0);
-  std::vector<int> row_of(columns + 1, 0), way(columns + 1, 0);
-  for (int row = 1; row <= rows; ++row) {
-    row_of[0] = row;
-    int column = 0;
-    std::vector<double> least(columns + 1, far);
-    std::vector<bool> used(columns + 1, false);
-    do {
-      used[column] = true;
-      const int from = row_of[column];
-      double step = far;
-      int next = 0;
-      for (int j = 1; j <= columns; ++j) {
-        if (used[j]) continue;
-        const double reduced = cost(from - 1, j - 1) - u[from] - v[j];
-        if (reduced < least[j]) {
-          least[j] = reduced;
-          way[j] = column;
-        }
-        if (least[j] < step) {
-          step = least[j];
-          next = j;
-        }
-      }
-      for (int j = 0; j <= columns; ++j) {
-        if (used[j]) {
-          u[row_of[j]] += step;
-          v[j] -= step;
-        } else {
-          least[j] -= step;
-        }
-      }
-      column = next;
-    } while (row_of[column] != 0);
-    for (; column != 0; column = way[column]) row_of[column] = row_of[way[column]];
-  }
-  std::vector<int> column_of(rows, -1);
-  for (int j = 1; j <= columns; ++j)
-    if (row_of[j] != 0) column_of[row_of[j] - 1] = j - 1;
-  return column_of;
 }
 
 Matrix6 metric_root(const Matrix6& mass) {
@@ -315,7 +266,7 @@ bool pair_among(std::span<const ModeTarget> targets, const std::vector<std::size
       cost(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) = costs.of(
           modes[k], point.group_of_mode[static_cast<std::size_t>(modes[k])], targets[here[i]]);
   if (!cost.allFinite()) return false;
-  const auto chosen = assign(cost);
+  const auto chosen = numerics::assign(cost);
   for (std::size_t i = 0; i < here.size(); ++i)
     point.mode_of[here[i]] = modes[static_cast<std::size_t>(chosen[i])];
   return true;

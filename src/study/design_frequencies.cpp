@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "hydrapod/base/error.hpp"
-#include "hydrapod/modal/normal_modes.hpp"
+#include "hydrapod/modal/damped_modes.hpp"
 #include "hydrapod/study/study.hpp"
 #include "lane_designs.hpp"
 #include "lane_machine.hpp"
@@ -37,7 +37,8 @@ struct DesignFrequencies::Implementation {
 
   void alone(double* omega) const {
     try {
-      put(modal::normal_modes(dynamics::linear_model(machine, X_BP, kind)), omega);
+      const auto model = dynamics::linear_model(machine, X_BP, kind);
+      put(modal::modes_with_elastomers(machine, model), omega);
     } catch (const base::ComputationError&) {
       std::fill_n(omega, modes(), std::numeric_limits<double>::quiet_NaN());
     }

@@ -303,8 +303,9 @@ DesignModel::Derivatives DesignModel::derivatives(std::span<const double> values
     drop = drop || which.drop;
   }
   try {
-    if (any) flexible = parts.modes(values, parts.kind);
-    if (drop) rigid = parts.modes(values, ModelKind::rigid);
+    // of elastomers the outputs are frequencies of damped modes, which these are not
+    if (any && !model::has_elastomers(parts.machine)) flexible = parts.modes(values, parts.kind);
+    if (drop && flexible) rigid = parts.modes(values, ModelKind::rigid);
   } catch (const base::ComputationError&) {  // then by differences
   }
   bool all = true;

@@ -8,6 +8,7 @@
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/units.hpp"
+#include "hydrapod/modal/damped_modes.hpp"
 #include "hydrapod/modal/mode_table.hpp"
 #include "hydrapod/spatial/pose.hpp"
 
@@ -144,7 +145,7 @@ Nominal nominal_of(const model::Machine& machine, const MachineOptions& options)
   Nominal nominal{.flexible = dynamics::linear_model(machine, options.X_BP, options.kind),
                   .rigid = dynamics::linear_model(machine, options.X_BP, ModelKind::rigid),
                   .X_BP = options.X_BP};
-  nominal.modes = modal::normal_modes(nominal.flexible);
+  nominal.modes = modal::modes_with_elastomers(machine, nominal.flexible);
   for (int k = 0; k < nominal.modes.size(); ++k)
     if (static_cast<int>(nominal.followed.size()) < options.modes &&
         platform_share(nominal.flexible, nominal.modes, k) >= modal::local_mode_energy)

@@ -8,6 +8,7 @@
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/kinematics/legs.hpp"
+#include "hydrapod/modal/damped_modes.hpp"
 #include "hydrapod/spatial/pose.hpp"
 #include "hydrapod/study/study.hpp"
 #include "lane_designs.hpp"
@@ -223,7 +224,7 @@ class Evaluation {
 
   void finish_alone(Sample& sample) {
     try {
-      const auto modes = modal::normal_modes(*sample.flexible);
+      const auto modes = modal::modes_with_elastomers(machine_, *sample.flexible);
       if (modes.omega2[0] > 0.0 && !sample.rigid)
         return set(sample.outputs, Status::no_equilibrium);
       outputs_of(*kept_, *sample.flexible, modes,

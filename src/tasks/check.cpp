@@ -7,7 +7,7 @@
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/diagnosis/diagnose.hpp"
 #include "hydrapod/hydraulics/servo_axis.hpp"
-#include "hydrapod/modal/normal_modes.hpp"
+#include "hydrapod/modal/damped_modes.hpp"
 #include "hydrapod/tasks/linear.hpp"
 
 namespace hydrapod::tasks {
@@ -86,6 +86,7 @@ void add_buckling(const model::Machine& machine, dynamics::ModelKind kind, PoseC
   result.buckling = dynamics::buckling_payload(machine, result.pose.X_BP, kind);
   if (result.buckling.status != dynamics::BucklingStatus::found) return;
   model::Machine loaded = machine;
+  loaded.damping.oil = model::OilDamping::viscous;  // as in the search
   const double just_below = 1.0 - dynamics::BucklingOptions{}.tolerance;  // of the bracketed load
   loaded.platform.mass = just_below * (machine.platform.mass + result.buckling.payload);
   auto model = dynamics::linear_model(loaded, result.pose.X_BP, kind, &result.buckling.last);
@@ -255,7 +256,7 @@ std::optional<double> lowest_square(const model::Machine& machine, dynamics::Mod
                                     const PoseCheck& result) {
   try {
     const auto model = dynamics::linear_model(machine, result.pose.X_BP, kind);
-    return modal::normal_modes(model).omega2[0];
+    return modal::modes_with_elastomers(machine, model).omega2[0];
   } catch (const base::ComputationError&) {
     if (report::is_sound(result)) throw;
     return {};

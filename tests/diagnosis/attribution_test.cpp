@@ -41,6 +41,21 @@ TEST(FirstResonances, OfTheHeavyPlatformAreTheLowerOnesInXAndY) {
   }
 }
 
+/// Their seals are as stiff as at the frequency of the mode, not as at quick motions.
+TEST(FirstResonances, OfElastomersAreThoseOfDampedModes) {
+  const auto machine = heavy({"legs.guide_sleeve.elastomer.dynamic_ratio=1.6",
+                              "legs.guide_sleeve.elastomer.loss_factor=0.2",
+                              "legs.guide_sleeve.elastomer.frequency=50 rad/s"});
+  const auto all = first_resonances(machine, machine.neutral(), ModelKind::guide);
+  const auto table = modal::mode_table(machine, machine.neutral(), ModelKind::guide);
+  for (const int direction : {0, 1}) {
+    const auto& found = in(all, direction);
+    const auto& mode = table.real.modes[static_cast<std::size_t>(found.mode)].mode;
+    EXPECT_NEAR(found.omega, mode.omega, 1e-9 * found.omega);
+    EXPECT_LT(found.omega, 0.98 * table.real.normal.omega(found.mode));
+  }
+}
+
 /// The published machine with transverse axes under gravity: `hydrapod modes` has x at 31.372 rad/s
 /// with 17 % of the motion and at 49.321 rad/s with 83 % (docs/validation/zhang-jiang-2021.md).
 TEST(FirstResonances, HoldMostOfTheirDirection) {

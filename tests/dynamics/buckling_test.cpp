@@ -116,6 +116,25 @@ TEST(Buckling, OfAnOverloadedMachineSaysWhatMustComeOff) {
   EXPECT_NEAR(found.payload / (-0.5 * carried), 1.0, 1e-4);
 }
 
+/// A supply that holds no more than the platform is no limit of the legs.
+TEST(Buckling, DoesNotDependOnTheSupply) {
+  auto machine = with_weightless_legs();
+  const auto wanted = buckling_of(machine);
+  ASSERT_EQ(wanted.status, BucklingStatus::found);
+  machine.damping.oil = model::OilDamping::chambers;
+  for (auto& leg : machine.legs)
+    leg.hydraulics.equivalent_cylinder = {.area_ratio = 0.53, .area = 1.3e-3};
+  auto& supply = machine.hydraulics.supply;
+  const auto rigid = dynamics::static_equilibrium(machine, machine.neutral(), ModelKind::rigid);
+  double most = 0.0;
+  for (const auto& leg : rigid.legs) most = std::max(most, std::abs(leg.oil_force));
+  supply.pressure = supply.return_pressure + 1.31 * most / 1.3e-3;
+  ASSERT_GT(wanted.payload, machine.platform.mass) << "beyond what the supply holds";
+  const auto found = buckling_of(machine);
+  EXPECT_EQ(found.status, wanted.status);
+  EXPECT_NEAR(found.payload, wanted.payload, 1e-9 * wanted.payload);
+}
+
 TEST(Buckling, IsNotFoundWithoutGravityOrWithStiffSeals) {
   EXPECT_EQ(buckling_of(symmetric_machine(0.0)).status, BucklingStatus::not_found);
   auto stiff = symmetric_machine(9.81);

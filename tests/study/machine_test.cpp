@@ -65,6 +65,43 @@ TEST(MachineStudy, RowsAreThoseOfModes) {
   }
 }
 
+/// Of elastomers too: each mode with the stiffness that the seals have at its frequency.
+TEST(MachineStudy, RowsOfElastomersAreThoseOfModes) {
+  auto machine = published({"environment.gravity=9.81"}).machine;
+  for (auto& leg : machine.legs)
+    leg.guide_sleeve.elastomer =
+        model::Elastomer{.dynamic_ratio = 1.83, .loss_factor = 0.26, .frequency = 7.7};
+  const auto X_BP = machine.neutral();
+  const auto kind = dynamics::ModelKind::guide;
+  model::MachineFile file;
+  file.machine = machine;
+  const auto inputs = read_variation(file, "platform.mass", "uniform ± 9 %", "");
+  const auto problem = machine_problem(machine, inputs, {.kind = kind, .X_BP = X_BP});
+  std::vector<double> y(problem.outputs.size());
+  const auto model = problem.model();
+  DesignFrequencies frequencies(machine, X_BP, kind, {inputs.front().id});
+  for (const double share : {0.93, 1.0, 1.071}) {
+    const std::vector<double> x{share * machine.platform.mass};
+    model(x, y);
+    ASSERT_EQ(y[0], 0.0);
+    auto changed = machine;
+    changed.platform.mass = x[0];
+    const auto table = modal::mode_table(changed, X_BP, kind);
+    const int lowest = modal::lowest_platform_mode(table.real.modes);
+    const auto& mode = table.real.modes[static_cast<std::size_t>(lowest)];
+    const double f = mode.mode.omega / two_pi;
+    EXPECT_NEAR(y[column(problem, "lowest")], f, same * f);
+    ASSERT_TRUE(mode.rigid.has_value());
+    EXPECT_NEAR(y[column(problem, "drop")], -mode.rigid->shift, 1e2 * same);
+    std::vector<double> omega(static_cast<std::size_t>(table.real.normal.size()));
+    frequencies(x, omega);
+    for (std::size_t k = 0; k < omega.size(); ++k)
+      EXPECT_NEAR(omega[k], table.real.modes[k].mode.omega, same * omega[k]);
+    const auto quick = modal::normal_modes(table.real.linear);
+    EXPECT_GT(quick.omega(0) / two_pi, 1.005 * f) << "the seals are not the stiff ones";
+  }
+}
+
 /// SIMD lanes have no modes of the payload, no elastomers and no beams: a batch of such machines
 /// has the bits of the same machines computed one by one.
 TEST(MachineStudy, MachinesWithPartsThatTheLanesLackAreComputedOneByOne) {

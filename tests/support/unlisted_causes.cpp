@@ -318,7 +318,7 @@ double change_of(const PoseModes& before, const PoseModes& after) {
                    std::pow(u.dot(v), 2) / (u.squaredNorm() * v.squaredNorm()) +
                    (v.squaredNorm() < 0.1 ? 1.0 : 0.0);
     }
-  const auto column = observation::assign(cost);
+  const auto column = numerics::assign(cost);
   double most = 0.0;
   for (std::size_t i = 0; i < column.size(); ++i)
     most = std::max(most, std::abs(after.omega[column[i]] / before.omega[energy[i].second] - 1.0));

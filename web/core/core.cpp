@@ -307,7 +307,7 @@ MapStatus resonances_at(const model::Machine& machine, const spatial::Pose& X_BP
   row[16] = kinematics::stroke_left(machine, X_BP);
   try {
     const auto flexible = dynamics::linear_model(machine, X_BP, kind, Starts::of(starts.flexible));
-    const auto modes = modal::normal_modes(flexible);
+    const auto modes = modal::modes_with_elastomers(machine, flexible);
     if (modes.omega2[0] <= 0.0) return MapStatus::buckled;
     const auto rigid =
         dynamics::linear_model(machine, X_BP, dynamics::ModelKind::rigid, Starts::of(starts.rigid));

@@ -58,6 +58,16 @@ struct DampedMode {
 std::vector<DampedMode> damped_modes(const LinearModel& model, const NormalModes& modes,
                                      double ratio);
 
+/// For every undamped mode the number of the damped one that it is, by their shapes, a damped mode
+/// once; −1: none is left, since modes that do not oscillate are fewer.
+std::vector<int> damped_counterparts(const LinearModel& model, const NormalModes& modes,
+                                     const std::vector<DampedMode>& damped);
+
+/// normal_modes(); where the machine has seals that are elastomers, each with the ω of its damped
+/// counterpart, whose seals are as stiff as at its frequency. Modes that do not oscillate keep
+/// theirs. `model`: of `machine`.
+NormalModes modes_with_elastomers(const model::Machine& machine, const LinearModel& model);
+
 /// Γ = Φᵀ C Φ + diag(2 ζ ω).
 ModelMatrix modal_damping_matrix(const LinearModel& model, const NormalModes& modes, double ratio);
 

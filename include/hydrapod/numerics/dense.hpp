@@ -14,6 +14,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <vector>
 #if defined(__AVX512F__)
 #include <immintrin.h>
 #endif
@@ -48,6 +49,10 @@ Eigen::VectorXd balancing(const Eigen::MatrixXd& A);
 
 /// The eigenvalues alone; empty where A is not finite or the iteration did not converge.
 Eigen::VectorXcd eigenvalues(const Eigen::MatrixXd& A);
+
+/// For every row of `cost` a column of its own, so that the sum is smallest (Hungarian method,
+/// O(rows² columns)). Throws std::invalid_argument when there are more rows than columns.
+std::vector<int> assign(const Eigen::MatrixXd& cost);
 
 /// A⁻¹ B, by elimination with partial pivoting. Whether A can be inverted is not checked.
 Eigen::MatrixXcd solve(const Eigen::MatrixXcd& A, const Eigen::MatrixXcd& B);

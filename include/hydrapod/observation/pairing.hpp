@@ -66,10 +66,6 @@ struct ObservationOptions {
   double contradicting{0.25};
 };
 
-/// For every row of `cost` a column of its own, so that the sum is smallest (Hungarian method,
-/// O(rows² columns)). Throws std::invalid_argument when there are more rows than columns.
-std::vector<int> assign(const Eigen::MatrixXd& cost);
-
 /// U for motions of the point Q (`p_PQ`, in P) of the platform, in base axes.
 spatial::Matrix6 platform_metric(const model::Machine& machine, const spatial::Pose& X_BP,
                                  const spatial::Vector3& p_PQ);

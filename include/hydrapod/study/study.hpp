@@ -322,9 +322,9 @@ struct MachineOptions {
 Problem machine_problem(const model::Machine& machine, std::vector<Input> inputs,
                         const MachineOptions& options);
 
-/// Undamped frequencies of many designs of one machine at one pose, several at a time in SIMD
-/// lanes; for one thread. They are those of modal::normal_modes() but for rounding (1e-12 of each;
-/// 5e-11 under gravity beside nearly rigid sleeves). They do not depend on the designs beside.
+/// Frequencies of many designs of one machine at one pose, several at a time in SIMD
+/// lanes; for one thread. They are those of modal::modes_with_elastomers() but for rounding (1e-12
+/// of each; 5e-11 under gravity beside nearly rigid sleeves). They do not depend on the designs beside.
 class DesignFrequencies {
  public:
   DesignFrequencies(const model::Machine& machine, const spatial::Pose& X_BP,
