@@ -43,6 +43,28 @@ inline std::vector<pid_t> children_of(pid_t parent) {
   return all;
 }
 
+/// Kills mpirun and the ranks that it has started.
+inline bool kill_all(pid_t job) {
+  const auto ranks = children_of(job);
+  const bool killed = ::kill(job, SIGKILL) == 0;
+  for (const pid_t rank : ranks) ::kill(rank, SIGKILL);
+  return killed;
+}
+
+/// The status of a job at its end. An mpirun that loses a rank while it starts the others may wait
+/// for them for ever: after a while it is killed as well.
+inline int status_at_end(pid_t job) {
+  constexpr int most = 400;
+  int status = 0;
+  for (int k = 0; k < most; ++k) {
+    if (::waitpid(job, &status, WNOHANG) == job) return status;
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  kill_all(job);
+  ::waitpid(job, &status, 0);
+  return status;
+}
+
 /// Runs a job; after `moment` seconds kills its rank number `which` (of those there are), or mpirun
 /// itself where it is negative. True where the job was still at work.
 inline bool killed_job(const std::vector<std::string>& arguments, double moment, int which) {
@@ -63,13 +85,11 @@ inline bool killed_job(const std::vector<std::string>& arguments, double moment,
   const auto ranks = children_of(job);
   bool killed = false;
   if (which < 0 || ranks.empty()) {
-    killed = ::kill(job, SIGKILL) == 0;
-    for (const pid_t rank : ranks) ::kill(rank, SIGKILL);
+    killed = kill_all(job);
   } else {
     killed = ::kill(ranks[static_cast<std::size_t>(which) % ranks.size()], SIGKILL) == 0;
   }
-  int status = 0;
-  ::waitpid(job, &status, 0);
+  const int status = status_at_end(job);
   return killed && !(WIFEXITED(status) && WEXITSTATUS(status) == 0);
 }
 

@@ -209,7 +209,7 @@ TEST_F(Serve, ACClientMovesThePlatformOnTheWallClock) {
 }
 
 TEST_F(Serve, AShellClientMovesThePlatform) {
-  const auto port = start({"--lock-step", "--once", "--ramp", "0.1", "--patience", "1 s",
+  const auto port = start({"--lock-step", "--once", "--ramp", "0.1", "--patience", "5 s",
                            "--layout", source_file("examples/realtime/integers.toml").string()});
   const auto done =
       client({source_file("examples/realtime/client.sh").string(), "127.0.0.1", port});
