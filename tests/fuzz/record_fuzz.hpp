@@ -8,9 +8,20 @@
 
 namespace hydrapod::fuzz {
 
+/// What `read` gives for the rate that a file states, or for 100 Hz where it states none.
+template <class Read>
+auto with_a_rate(const Read& read) {
+  try {
+    return read(data::ReadOptions{});
+  } catch (const base::InputError&) {
+    return read(data::ReadOptions{.sample_rate = 100.0});
+  }
+}
+
 inline void read_to_the_end(const std::string& path) {
   data::file_kind(path);
-  data::RecordSet record({path}, {.sample_rate = 100.0});
+  data::RecordSet record =
+      with_a_rate([&](const auto& options) { return data::RecordSet({path}, options); });
   data::validate(record.header());
   constexpr std::int64_t most = 2'000'000;  // numbers: a fuzzer has no time for more
   std::int64_t numbers = 0;

@@ -142,7 +142,9 @@ void write_damage_and_read(const std::uint8_t* data, std::size_t size,
   std::string file = bytes_of(path);
   const bool damaged = damage(bytes, file);
   const bool taken = accepted([&] {
-    data::RecordSet read({file_of(file)}, {.sample_rate = 100.0});
+    const std::string& damaged_path = file_of(file);
+    data::RecordSet read = with_a_rate(
+        [&](const auto& options) { return data::RecordSet({damaged_path}, options); });
     const bool changed = differs(read, record);
     if (!is_bit_for_bit(format) || !changed) return;
     const bool holds = read.checksum() == data::ChecksumFinding::holds;

@@ -67,8 +67,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* input, std::size_t siz
   const bool damaged = fuzz::damage(bytes, file);
   data::RecoverResult result;
   const bool recovered = fuzz::accepted([&] {
-    result = data::recover_record(fuzz::file_of(file), to,
-                                  {.format = mat5, .read = {.sample_rate = 100.0}});
+    const std::string& from = fuzz::file_of(file);
+    result = fuzz::with_a_rate([&](const auto& options) {
+      return data::recover_record(from, to, {.format = mat5, .read = options});
+    });
   });
   if (!recovered) return 0;
   if (result.samples < 1 || result.file != to) std::abort();
