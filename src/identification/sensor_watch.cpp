@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "fit_covariance.hpp"
 #include "hydrapod/numerics/statistics.hpp"
@@ -39,9 +40,24 @@ double middle_of(std::vector<double> values) {
   return std::abs(upper - 1.0) < std::abs(lower - 1.0) ? upper : lower;
 }
 
-/// How far from 1; another sign is further than any gain.
-double size_of_change(double factor) {
-  return (factor < 0.0 ? 1e6 : 0.0) + std::abs(std::log(std::abs(factor)));
+/// `values` of which each is like the others in sign and, within `least_change`, in size: as many
+/// as there are; of two such groups the one that is nearer to 1. Indices.
+std::vector<std::size_t> largest_agreement(const std::vector<double>& values, double least_change) {
+  std::vector<std::size_t> best;
+  double best_distance = 0.0;
+  for (const double value : values) {
+    std::vector<std::size_t> like;
+    for (std::size_t k = 0; k < values.size(); ++k)
+      if (values[k] / value > 0.0 &&
+          std::abs(std::log(values[k] / value)) <= std::log1p(least_change))
+        like.push_back(k);
+    const double distance = std::abs(value - 1.0);
+    if (like.size() < best.size() || (like.size() == best.size() && distance >= best_distance))
+      continue;
+    best = std::move(like);
+    best_distance = distance;
+  }
+  return best;
 }
 
 }  // namespace
@@ -94,18 +110,23 @@ void SensorWatch::add(const FrequencyResponses& part, std::size_t label) {
   labels_.push_back(label);
 }
 
-/// Each by what most parts say.
-std::vector<std::vector<SensorWatch::Ratio>> SensorWatch::against_median() const {
+/// Each by what most parts say. A part within which the sensor changed says what neither side of it
+/// does, so that a median of all parts may be that of nobody.
+std::vector<std::vector<SensorWatch::Ratio>> SensorWatch::against_most() const {
   auto all = parts_;
   for (std::size_t o = 0; o < all[0].size(); ++o) {
-    std::vector<double> known;
-    double worst = 0.0;
+    std::vector<double> known, deviations, right_ones;
     for (const auto& part : all) {
       if (!std::isfinite(part[o].alpha)) continue;
       known.push_back(part[o].alpha);
-      worst = std::max(worst, part[o].deviation);
+      deviations.push_back(part[o].deviation);
     }
-    const double right = middle_of(known);  // the first part is known
+    double worst = 0.0;
+    for (const std::size_t k : largest_agreement(known, options_.least_change)) {
+      right_ones.push_back(known[k]);
+      worst = std::max(worst, deviations[k]);
+    }
+    const double right = middle_of(right_ones);  // the first part is known
     for (auto& part : all) {
       part[o].alpha /= right;
       part[o].likeness *= std::copysign(1.0, right);
@@ -136,8 +157,8 @@ void SensorWatch::look_at(std::size_t part, const std::vector<Ratio>& ratios, do
     const bool scaled = std::abs(ratio.likeness) > options_.alike && differs(gain) &&
                         std::abs(std::log(gain)) > largest * ratio.deviation;
     if (turned || scaled)
-      changes.push_back(
-          {labels_[part], static_cast<Index>(o), std::copysign(gain, ratio.alpha), 0});
+      changes.push_back({labels_[part], static_cast<Index>(o), std::copysign(gain, ratio.alpha), 0,
+                         ratio.deviation});
   }
 }
 
@@ -147,11 +168,15 @@ std::optional<SensorWatch::Change> SensorWatch::result() const {
   const double largest =
       std::sqrt(numerics::chi_squared_quantile(1.0 - options_.chance / tests, 1));
   std::vector<Change> changes;
-  const auto all = against_median();
+  const auto all = against_most();
   for (std::size_t part = 0; part < all.size(); ++part) look_at(part, all[part], largest, changes);
   if (changes.empty()) return {};
-  Change worst = *std::ranges::max_element(
-      changes, {}, [](const Change& c) { return size_of_change(c.factor); });
+  // another sign is further than any gain; of such, a part with both signs in it is the uncertain
+  // one
+  Change worst = *std::ranges::max_element(changes, {}, [](const Change& c) {
+    const bool turned = c.factor < 0.0;
+    return std::pair(turned, turned ? -c.deviation : std::abs(std::log(c.factor)));
+  });
   std::vector<Index> outputs;
   for (const auto& change : changes) outputs.push_back(change.output);
   std::ranges::sort(outputs);

@@ -9,7 +9,7 @@
 /// the output of that part is α = ±√(S_gg/S_hh) times that of the first, with the sign of S_hg.
 /// Both sums are those of the responses themselves, so that α does not depend on noise. A mode that
 /// wanders between the parts makes |γ| = |S_hg|/√(S_hh S_gg) smaller and leaves √(S_gg/S_hh) as it
-/// is; where γ is small, α tells nothing. What the median of the parts says is right.
+/// is; where γ is small, α tells nothing. What most parts agree on is right.
 ///
 /// What a part has in common for all outputs, as a machine whose damping is another at another
 /// level has, is no change of a sensor: gains are compared with the median of the outputs.
@@ -47,6 +47,7 @@ class SensorWatch {
     Eigen::Index output{};
     double factor{};         ///< α by what is right
     std::int64_t outputs{};  ///< that changed
+    double deviation{};      ///< of ln |factor|
   };
   /// The largest.
   [[nodiscard]] std::optional<Change> result() const;
@@ -57,7 +58,7 @@ class SensorWatch {
     double alpha{}, deviation{}, likeness{};
   };
   [[nodiscard]] Ratio ratio_of(const FrequencyResponses& part, Eigen::Index output) const;
-  [[nodiscard]] std::vector<std::vector<Ratio>> against_median() const;
+  [[nodiscard]] std::vector<std::vector<Ratio>> against_most() const;
   void look_at(std::size_t part, const std::vector<Ratio>& ratios, double largest,
                std::vector<Change>& changes) const;
 

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <tuple>
 
 #include "exact/modal_system.hpp"
 #include "hydrapod/base/error.hpp"
@@ -112,6 +113,18 @@ TEST_F(SensorChanged, WithinARecordItsTimeIsNamed) {
   }));
 }
 
+/// The part within which it changed is like neither side, and is no measure for them.
+TEST_F(SensorChanged, WithinAPartOfARecordTheFactorIsThatOfWholeParts) {
+  auto record = sound_record(5, three_masses(), 100000);
+  record.samples.col(1).tail(60000) *= -1.0;
+  const auto changed = changed_in(identified({written("run.h5", record)}));
+  ASSERT_EQ(changed.size(), 1U);
+  EXPECT_EQ(changed[0].channel, "d1");
+  EXPECT_NEAR(changed[0].value, -1.0, 0.05);
+  EXPECT_EQ(changed[0].lowest, 0.0);
+  EXPECT_NEAR(changed[0].highest, 416.7, 25.0);
+}
+
 TEST_F(SensorChanged, SoundRecordsAreNotAccused) {
   for (std::uint64_t seed = 1; seed <= 30; ++seed) {
     const auto found =
@@ -136,7 +149,7 @@ TEST_F(SensorChanged, OtherUnitsAreRefused) {
   auto other = sound_record(2);
   other.header.channels[2].unit = "m/s^2";
   try {
-    identified({written("p1.h5", sound_record(1)), written("p2.h5", other)});
+    std::ignore = identified({written("p1.h5", sound_record(1)), written("p2.h5", other)});
     FAIL() << "not refused";
   } catch (const base::InputError& error) {
     EXPECT_THAT(error.what(), HasSubstr("d2 is in m/s^2 and in"));
