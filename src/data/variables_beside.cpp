@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -100,8 +101,8 @@ bool is_time_variable(const std::string& name) { return is_one_of(time_words, na
 bool is_start_name(const std::string& name) { return is_one_of(start_words, name); }
 
 std::vector<RateVariable> rates_beside(const std::vector<Variable>& variables,
-                                       const std::vector<std::string>& samples,
-                                       const Notes& notes) {
+                                       const std::vector<std::string>& samples, bool needed,
+                                       Notes& notes) {
   std::vector<RateVariable> beside, others;
   for (const Variable& v : variables) {
     if (v.kind != VariableKind::numbers || v.fast * v.slow != 1) continue;
@@ -116,11 +117,16 @@ std::vector<RateVariable> rates_beside(const std::vector<Variable>& variables,
     }
   }
   auto& chosen = beside.empty() ? others : beside;
-  for (const RateVariable& rate : chosen)
-    if (std::isnan(rate.hertz))
-      notes.fail(fmt::format("'{}' states the sampling in the unit \"{}\"; accepted are {}",
-                             base::printable(rate.name), base::printable(rate.unit, 30),
-                             rate.accepted));
+  const auto is_of_else = [](const RateVariable& rate) { return std::isnan(rate.hertz); };
+  needed = needed && std::ranges::all_of(chosen, is_of_else);
+  for (const RateVariable& rate : chosen) {
+    if (!is_of_else(rate)) continue;
+    const auto said = fmt::format("'{}' states the sampling in the unit \"{}\"",
+                                  base::printable(rate.name), base::printable(rate.unit, 30));
+    if (needed) notes.fail(said + "; accepted are " + rate.accepted);
+    notes.add(said + ": left aside");
+  }
+  std::erase_if(chosen, is_of_else);
   return std::move(chosen);
 }
 
