@@ -6,6 +6,7 @@
 
 #include "hydrapod/base/error.hpp"
 #include "names.hpp"
+#include "search.hpp"
 
 namespace hydrapod::identification {
 
@@ -39,20 +40,82 @@ bool is_above_zero(const FrequencyResponses& r, std::size_t k) {
   return r.frequency[k] > lowest * r.frequency.back();
 }
 
-void leave_out_lines(FrequencyResponses& r) {
+/// Where an analyser has not measured: responses that are exactly 0 at some lines, not at all.
+/// Those that are calculated from records are not 0 so.
+class ZeroLines {
+ public:
+  explicit ZeroLines(const FrequencyResponses& r)
+      : counts_(MatrixXi::Zero(std::ssize(r.outputs), std::ssize(r.inputs))) {
+    if (r.whole != nullptr || !r.excitation.empty()) return;
+    int lines = 0;
+    for (std::size_t k = 0; k < r.lines(); ++k) {
+      if (!is_above_zero(r, k)) continue;
+      counts_ += zeros(r.H[k]);
+      ++lines;
+    }
+    counts_ = (counts_.array() < lines).select(counts_, 0);
+  }
+
+  [[nodiscard]] bool are_there() const { return (counts_.array() > 0).any(); }
+  [[nodiscard]] bool has(const MatrixXcd& H) const {
+    return (zeros(H).array() > 0 && counts_.array() > 0).any();
+  }
+  struct Entry {
+    Index output{}, input{};
+    int lines{};
+  };
+  /// The response that is 0 most often.
+  [[nodiscard]] Entry worst() const {
+    Entry entry;
+    entry.lines = counts_.maxCoeff(&entry.output, &entry.input);
+    return entry;
+  }
+
+ private:
+  using MatrixXi = Eigen::MatrixXi;
+  static MatrixXi zeros(const MatrixXcd& H) {
+    return (H.real().array() == 0.0 && H.imag().array() == 0.0).cast<int>();
+  }
+  MatrixXi counts_;  ///< lines per response; 0 where it is 0 at all of them
+};
+
+/// What stays must suffice.
+void require_lines_that_are_not_zero(const FrequencyResponses& r, const ZeroLines& zero,
+                                     std::size_t kept) {
+  if (!zero.are_there() || kept >= fewest_lines) return;
+  const auto worst = zero.worst();
+  throw base::ComputationError(fmt::format(
+      "responses are exactly 0, which is no measurement, at all but {} of {} frequencies (that of "
+      "{} to {} at {}); at least {} are needed: leave the channel out with --outputs, or export "
+      "all frequencies",
+      kept, r.lines(), r.outputs[static_cast<std::size_t>(worst.output)].name,
+      r.inputs[static_cast<std::size_t>(worst.input)].name, worst.lines, fewest_lines));
+}
+
+void leave_out_lines(const ZeroLines& zero, FrequencyResponses& r) {
   std::vector<std::size_t> kept;
-  std::int64_t broken = 0;
+  std::int64_t broken = 0, empty = 0;
   for (std::size_t k = 0; k < r.lines(); ++k) {
     if (!is_above_zero(r, k)) continue;
-    if (is_finite_at(r, k))
-      kept.push_back(k);
-    else
+    if (!is_finite_at(r, k))
       ++broken;
+    else if (zero.has(r.H[k]))
+      ++empty;
+    else
+      kept.push_back(k);
   }
+  const auto total = static_cast<std::int64_t>(r.lines());
   if (broken > 0)
-    r.warnings.push_back({.kind = Kind::lines_not_finite,
-                          .count = broken,
-                          .total = static_cast<std::int64_t>(r.lines())});
+    r.warnings.push_back({.kind = Kind::lines_not_finite, .count = broken, .total = total});
+  require_lines_that_are_not_zero(r, zero, kept.size());
+  if (empty > 0) {
+    const auto worst = zero.worst();
+    r.warnings.push_back({.kind = Kind::lines_zero,
+                          .channel = r.outputs[static_cast<std::size_t>(worst.output)].name,
+                          .other = r.inputs[static_cast<std::size_t>(worst.input)].name,
+                          .count = empty,
+                          .total = total});
+  }
   if (kept.size() != r.lines()) r = lines_of(r, kept);
 }
 
@@ -128,7 +191,8 @@ FrequencyResponses lines_of(const FrequencyResponses& r, const std::vector<std::
 }
 
 UsableResponses::UsableResponses(const FrequencyResponses& all) : given_(all) {
-  const bool lines_hold = [&] {
+  const ZeroLines zero(all);
+  const bool lines_hold = !zero.are_there() && [&] {
     for (std::size_t k = 0; k < all.lines(); ++k)
       if (!is_above_zero(all, k) || !is_finite_at(all, k)) return false;
     return true;
@@ -138,7 +202,7 @@ UsableResponses::UsableResponses(const FrequencyResponses& all) : given_(all) {
                                                   living(all, true).size() == all.inputs.size());
   if (!lines_hold || !all_alive) {
     changed_ = all;
-    if (!lines_hold) leave_out_lines(*changed_);
+    if (!lines_hold) leave_out_lines(zero, *changed_);
     if (all.whole == nullptr) leave_out_dead_channels(*changed_);
   }
   require_size(get());

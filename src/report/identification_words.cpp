@@ -298,6 +298,11 @@ std::string warning_text(const data::ResponseWarning& w) {
       return motion_input_text(w);
     case Kind::sensor_changed:
       return sensor_changed_text(w);
+    case Kind::lines_zero:
+      return fmt::format(
+          "at {} of {} frequencies a response is exactly 0, that of {} to {} most often, as "
+          "analysers write where they did not measure: these frequencies were left out",
+          w.count, w.total, w.channel, w.other);
   }
   return {};
 }

@@ -105,6 +105,7 @@ observation::Targets identified_targets(Measured measured, const MeasureOptions&
     if (progress && progress(share)) throw base::ComputationError("interrupted");
   });
   append(measured.warnings, warnings);
+  add_new_warnings(path, found.responses.warnings, warnings);
   add_warnings(path, found.warnings, warnings);
   if (found.modes.empty())
     base::refuse(

@@ -429,6 +429,7 @@ Identified identify(const IdentifyOptions& options, const Progress& progress) {
       throw base::ComputationError("interrupted");
   });
   found.warnings = found.measured.warnings;
+  add_new_warnings(file, found.modes.responses.warnings, found.warnings);
   test_steadiness(options, progress, found);
   add_warnings(file, found.modes.warnings, found.warnings);
   if (found.modes.modes.empty()) return found;

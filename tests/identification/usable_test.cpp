@@ -94,6 +94,44 @@ TEST_P(UsableResponses, LinesThatAreNotFiniteAreLeftOutAndCounted) {
   EXPECT_EQ(found.responses.warnings[0].total, 380);
 }
 
+/// As analysers write outside of their band, and where the coherence is low.
+TEST_P(UsableResponses, LinesThatAreZeroAreLeftOutAndCounted) {
+  auto r = from_zero(GetParam());
+  for (std::size_t k = 0; k < r.lines(); ++k) {
+    if (r.frequency[k] < 1.5 || r.frequency[k] > 14.0) r.H[k].setZero();
+    if (r.frequency[k] > 8.0 && r.frequency[k] < 9.0) r.H[k](1, 0) = 0.0;  // an antiresonance
+  }
+  const auto found = identify_modes(r);
+  expect_three_modes(found);
+  EXPECT_GE(found.from, 1.5);
+  EXPECT_LE(found.to, 14.0);
+  ASSERT_THAT(kinds(found), testing::ElementsAre(Kind::lines_zero));
+  const auto& warning = found.responses.warnings[0];
+  // 1 … 35 (36 is at 1.501 Hz), 192 … 215, 336 … 379
+  EXPECT_EQ(warning.count, 35 + 24 + 44);
+  EXPECT_EQ(warning.total, 380);
+  EXPECT_EQ(warning.channel, "y2");
+  EXPECT_EQ(warning.other, "u1");
+}
+
+TEST_P(UsableResponses, AResponseThatIsZeroEverywhereIsNoReasonToLeaveLinesOut) {
+  auto r = from_zero(GetParam());
+  for (auto& H : r.H) H(1, 0) = 0.0;
+  EXPECT_THAT(kinds(identify_modes(r)), testing::IsEmpty());
+}
+
+TEST_P(UsableResponses, TooFewLinesThatAreNotZeroAreSaid) {
+  auto r = from_zero(GetParam());
+  for (std::size_t k = 10; k < r.lines(); ++k) r.H[k](2, 1) = 0.0;
+  try {
+    identify_modes(r);
+    FAIL() << "not refused";
+  } catch (const base::ComputationError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("at all but 9 of 380 frequencies (that of y3 to "
+                                                 "u2 at 370); at least 16 are needed"));
+  }
+}
+
 TEST_P(UsableResponses, ADeadOutputIsLeftOutAndNamed) {
   auto r = from_zero(GetParam());
   for (auto& H : r.H) H.row(1).setZero();

@@ -76,7 +76,8 @@ std::vector<data::ResponseWarning> response_warnings() {
            .other = "p2.csv",
            .value = -1.0,
            .count = 1,
-           .total = 3}};
+           .total = 3},
+          {.kind = Kind::lines_zero, .channel = "a1", .other = "F", .count = 120, .total = 800}};
 }
 
 std::vector<identification::ModeWarning> mode_warnings() {
