@@ -119,6 +119,41 @@ void leave_out_lines(const ZeroLines& zero, FrequencyResponses& r) {
   if (kept.size() != r.lines()) r = lines_of(r, kept);
 }
 
+/// Behind half the sample rate a file with all lines of a transform has the conjugates of the lines
+/// before, in reverse: H(f_s − f) = H(f)*. [Hz] of that half; none: there are none. `from`: the
+/// line that the last one is the image of.
+std::optional<double> half_of_images(const FrequencyResponses& r, std::size_t from) {
+  constexpr double same = 1e-4;  // as few digits as a table may have
+  if (r.lines() < from + fewest_lines) return {};
+  const double rate = r.frequency[from] + r.frequency.back();
+  bool is_complex = false;
+  for (std::size_t k = from, image = r.lines() - 1; k < image; ++k, --image) {
+    const MatrixXcd &H = r.H[k], &other = r.H[image];
+    if (std::abs(r.frequency[k] + r.frequency[image] - rate) > same * rate ||
+        !((H - other.conjugate()).norm() <= same * H.norm()))
+      return {};
+    is_complex = is_complex || !H.imag().isZero(0.0);
+  }
+  return is_complex ? std::optional(0.5 * rate) : std::nullopt;
+}
+
+std::optional<double> half_of_images(const FrequencyResponses& r) {
+  if (r.whole != nullptr || r.shift != 0.0) return {};
+  const auto half = half_of_images(r, 0);
+  return half ? half : half_of_images(r, 1);  // from 0 Hz on, up to the sample rate or not
+}
+
+void leave_out_images(double half, FrequencyResponses& r) {
+  constexpr double same = 1.0 + 1e-6;
+  std::vector<std::size_t> kept;
+  for (std::size_t k = 0; k < r.lines() && r.frequency[k] <= half * same; ++k) kept.push_back(k);
+  r.warnings.push_back({.kind = Kind::two_sided,
+                        .value = half,
+                        .count = static_cast<std::int64_t>(r.lines() - kept.size()),
+                        .total = static_cast<std::int64_t>(r.lines())});
+  r = lines_of(r, kept);
+}
+
 /// Numbers of the rows of which one is not 0 at some line; of columns where `columns`.
 std::vector<std::size_t> living(const FrequencyResponses& r, bool columns) {
   const auto size = static_cast<Index>(columns ? r.inputs.size() : r.outputs.size());
@@ -191,17 +226,22 @@ FrequencyResponses lines_of(const FrequencyResponses& r, const std::vector<std::
 }
 
 UsableResponses::UsableResponses(const FrequencyResponses& all) : given_(all) {
-  const ZeroLines zero(all);
+  if (const auto half = half_of_images(all)) {
+    changed_ = all;
+    leave_out_images(*half, *changed_);
+  }
+  const auto& r = get();
+  const ZeroLines zero(r);
   const bool lines_hold = !zero.are_there() && [&] {
-    for (std::size_t k = 0; k < all.lines(); ++k)
-      if (!is_above_zero(all, k) || !is_finite_at(all, k)) return false;
+    for (std::size_t k = 0; k < r.lines(); ++k)
+      if (!is_above_zero(r, k) || !is_finite_at(r, k)) return false;
     return true;
   }();
   // outputs that half spectra refer to are alive
-  const bool all_alive = all.whole != nullptr || (living(all, false).size() == all.outputs.size() &&
-                                                  living(all, true).size() == all.inputs.size());
+  const bool all_alive = r.whole != nullptr || (living(r, false).size() == r.outputs.size() &&
+                                                living(r, true).size() == r.inputs.size());
   if (!lines_hold || !all_alive) {
-    changed_ = all;
+    if (!changed_) changed_ = all;
     if (!lines_hold) leave_out_lines(zero, *changed_);
     if (all.whole == nullptr) leave_out_dead_channels(*changed_);
   }

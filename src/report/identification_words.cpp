@@ -303,6 +303,11 @@ std::string warning_text(const data::ResponseWarning& w) {
           "at {} of {} frequencies a response is exactly 0, that of {} to {} most often, as "
           "analysers write where they did not measure: these frequencies were left out",
           w.count, w.total, w.channel, w.other);
+    case Kind::two_sided:
+      return fmt::format(
+          "the responses are two-sided: {} of {} frequencies, those above {:.4g} Hz, hold the "
+          "conjugates of the others in reverse and were left out",
+          w.count, w.total, w.value);
   }
   return {};
 }
@@ -354,6 +359,14 @@ std::string warning_text(const identification::ModeWarning& w) {
           "modes were looked for from {:.4g} Hz to {:.4g} Hz, and the responses have {} above, the "
           "largest at {:.4g} Hz: modes there may be missing; --to sets the band",
           w.from, w.to, w.count == 1 ? "a peak" : fmt::format("{} peaks", w.count), w.value);
+    case Kind::conjugated:
+      return fmt::format(
+          "the phases rise through the resonances: from {:.4g} Hz to {:.4g} Hz modes leave {:.2g} "
+          "% "
+          "of the responses unexplained, and {:.2g} % of the conjugated ones; the file follows the "
+          "convention e^(−iωt), or its cross spectra are formed the other way round: change the "
+          "sign of all imaginary parts, or of all phases",
+          w.from, w.to, 100.0 * w.share, 100.0 * w.value);
   }
   return {};
 }

@@ -45,9 +45,10 @@ inline constexpr std::array response_warning_words{"dead_output",
                                                    "feedback",
                                                    "motion_input",
                                                    "sensor_changed",
-                                                   "lines_zero"};
+                                                   "lines_zero",
+                                                   "two_sided"};
 static_assert(response_warning_words.size() ==
-              static_cast<std::size_t>(data::ResponseWarning::Kind::lines_zero) + 1);
+              static_cast<std::size_t>(data::ResponseWarning::Kind::two_sided) + 1);
 
 template <class Fields>
 void describe(Fields& f, data::ResponseWarning& warning) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <utility>
 
 #include "exact/modal_system.hpp"
 #include "found_pole.hpp"
@@ -112,6 +113,27 @@ TEST_P(UsableResponses, LinesThatAreZeroAreLeftOutAndCounted) {
   EXPECT_EQ(warning.total, 380);
   EXPECT_EQ(warning.channel, "y2");
   EXPECT_EQ(warning.other, "u1");
+}
+
+/// All lines of a transform, up to one spacing below the sample rate or up to it.
+TEST_P(UsableResponses, ConjugatesAboveHalfTheSampleRateAreLeftOut) {
+  for (const bool to_the_rate : {false, true}) {
+    auto r = from_zero(GetParam());
+    const std::size_t half = r.lines() - 1;
+    const double spacing = r.frequency[1];
+    for (std::size_t k = half - 1; k + 1 > (to_the_rate ? 0 : 1); --k) {
+      r.frequency.push_back(static_cast<double>(2 * half - k) * spacing);
+      r.H.push_back(Eigen::MatrixXcd(std::as_const(r.H)[k].conjugate()));
+      if (!GetParam()) continue;
+      r.noise.push_back(Eigen::MatrixXcd(std::as_const(r.noise)[k]));
+      r.input_factor.push_back(Eigen::MatrixXcd(std::as_const(r.input_factor)[k]));
+    }
+    const auto found = identify_modes(r);
+    expect_three_modes(found);
+    ASSERT_THAT(kinds(found), testing::ElementsAre(Kind::two_sided));
+    EXPECT_NEAR(found.responses.warnings[0].value, 379 * spacing, 1e-9);
+    EXPECT_EQ(found.responses.warnings[0].count, to_the_rate ? 379 : 378);
+  }
 }
 
 TEST_P(UsableResponses, AResponseThatIsZeroEverywhereIsNoReasonToLeaveLinesOut) {

@@ -175,8 +175,10 @@ struct ResponseWarning {
     sensor_changed,  ///< in a record, the file `other`, or from `lowest` to `highest` [s] of the
                      ///< only one, the output `channel` is `value` times what it is in the others;
                      ///< so are `count` of `total` outputs, each by its own factor
-    lines_zero       ///< at count, of total, a response is exactly 0, that of `channel` to `other`
+    lines_zero,      ///< at count, of total, a response is exactly 0, that of `channel` to `other`
                      ///< most often: these were left out
+    two_sided  ///< count, of total, lines above `value` [Hz], half the sample rate, are conjugates
+               ///< of those below in reverse: left out
   };
   Kind kind{};
   std::string channel{}, other{};
