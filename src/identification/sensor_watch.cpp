@@ -27,10 +27,34 @@ MatrixXcd row_covariance(const FrequencyResponses& r, std::size_t line, Index ou
   return r.noise[line](output, output).real() * r.input_factor[line].transpose();
 }
 
+/// `least`: of the density in the whole, per input.
 bool is_excited(const FrequencyResponses& part, std::size_t line, const FrequencyResponses& whole,
-                std::size_t of_whole, double least) {
+                std::size_t of_whole, const VectorXd& least) {
   if (part.input_density.empty() || whole.input_density.empty()) return true;
-  return (part.input_density[line].array() > least * whole.input_density[of_whole].array()).all();
+  return (part.input_density[line].array() > least.array() * whole.input_density[of_whole].array())
+      .all();
+}
+
+/// A part at a lower level is measured by its own: per input the density by that of the whole which
+/// all but a few lines stay below, at most 1.
+VectorXd level_of(const FrequencyResponses& part, const FrequencyResponses& whole, double lowest) {
+  constexpr double few = 0.05;
+  VectorXd level = VectorXd::Ones(std::ssize(whole.inputs));
+  if (part.input_density.empty() || whole.input_density.empty()) return level;
+  for (Index i = 0; i < level.size(); ++i) {
+    std::vector<double> ratios;
+    for (std::size_t k = 0; k < part.lines(); ++k)
+      if (const auto at = line_at(whole, part.frequency[k]);
+          at && whole.input_density[*at][i] > 0.0)
+        ratios.push_back(part.input_density[k][i] / whole.input_density[*at][i]);
+    if (ratios.empty()) continue;
+    const auto place =
+        ratios.begin() + static_cast<std::ptrdiff_t>((1.0 - few) * std::ssize(ratios));
+    const auto at = std::min(place, ratios.end() - 1);
+    std::ranges::nth_element(ratios, at);
+    level[i] = std::clamp(*at, lowest, 1.0);
+  }
+  return level;
 }
 
 /// Of two in the middle the one that is nearer to 1.
@@ -62,15 +86,17 @@ std::vector<std::size_t> largest_agreement(const std::vector<double>& values, do
 
 }  // namespace
 
-SensorWatch::Ratio SensorWatch::ratio_of(const FrequencyResponses& part, Index output) const {
+SensorWatch::Ratio SensorWatch::ratio_of(const FrequencyResponses& part, const VectorXd& level,
+                                         Index output) const {
+  const VectorXd least = options_.least_excitation * level,
+                 least_of_first = options_.least_excitation * level_of_first_;
   double hh = 0.0, gg = 0.0, hg = 0.0;
   int lines = 0;
   for (std::size_t k = 0; k < first_->lines(); ++k) {
     const double f = first_->frequency[k];
     const auto other = line_at(part, f), of_whole = line_at(whole_, f);
-    if (!other || !of_whole ||
-        !is_excited(*first_, k, whole_, *of_whole, options_.least_excitation) ||
-        !is_excited(part, *other, whole_, *of_whole, options_.least_excitation))
+    if (!other || !of_whole || !is_excited(*first_, k, whole_, *of_whole, least_of_first) ||
+        !is_excited(part, *other, whole_, *of_whole, least))
       continue;
     const VectorXcd h = first_->H[k].row(output).transpose(),
                     g = part.H[*other].row(output).transpose();
@@ -100,12 +126,15 @@ void SensorWatch::add(const FrequencyResponses& part, std::size_t label) {
       !part.has_errors() || (first_ && part.shift != first_->shift))
     return;
   const auto in_band = within(part, whole_.frequency.front(), whole_.frequency.back());
+  const VectorXd level = level_of(in_band, whole_, options_.lowest_level);
   std::vector<Ratio> ratios(part.outputs.size(), Ratio{1.0, 0.0, 1.0});
-  if (first_)
+  if (first_) {
     for (std::size_t o = 0; o < ratios.size(); ++o)
-      ratios[o] = ratio_of(in_band, static_cast<Index>(o));
-  else
+      ratios[o] = ratio_of(in_band, level, static_cast<Index>(o));
+  } else {
     first_ = in_band;
+    level_of_first_ = level;
+  }
   parts_.push_back(std::move(ratios));
   labels_.push_back(label);
 }

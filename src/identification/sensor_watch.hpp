@@ -29,7 +29,10 @@ struct SensorWatchOptions {
   double opposite{0.7};      ///< … and of another sign
   /// Deviations of a row below this share of it are not relied upon.
   double finest{0.01};
-  double least_excitation{0.5};  ///< as WanderOptions::least_excitation, per line
+  /// As WanderOptions::least_excitation, per line, of a part at the level of the whole; of a weaker
+  /// one by its own level, down to lowest_level (of the density): below, lines may be leakage.
+  double least_excitation{0.5};
+  double lowest_level{0.01};
   int fewest_lines{16};
 };
 
@@ -57,7 +60,8 @@ class SensorWatch {
   struct Ratio {
     double alpha{}, deviation{}, likeness{};
   };
-  [[nodiscard]] Ratio ratio_of(const FrequencyResponses& part, Eigen::Index output) const;
+  [[nodiscard]] Ratio ratio_of(const FrequencyResponses& part, const Eigen::VectorXd& level,
+                               Eigen::Index output) const;
   [[nodiscard]] std::vector<std::vector<Ratio>> against_most() const;
   void look_at(std::size_t part, const std::vector<Ratio>& ratios, double largest,
                std::vector<Change>& changes) const;
@@ -65,6 +69,7 @@ class SensorWatch {
   const FrequencyResponses& whole_;
   SensorWatchOptions options_;
   std::optional<FrequencyResponses> first_{};
+  Eigen::VectorXd level_of_first_{};  ///< per input
   std::vector<std::size_t> labels_{};
   std::vector<std::vector<Ratio>> parts_{};  ///< per part, per output
 };

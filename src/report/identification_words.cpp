@@ -151,7 +151,9 @@ std::string sensor_changed_text(const data::ResponseWarning& w) {
       one_record ? fmt::format("from {:.4g} s to {:.4g} s", w.lowest, w.highest) : "of " + w.other,
       w.value < 0.0 ? "−" : "", std::abs(w.value),
       one_record ? "rest of the record" : "other records",
-      w.count > 1 ? fmt::format(" ({} of {} outputs changed)", w.count, w.total) : "");
+      w.count <= 1 ? ""
+                   : fmt::format(" ({} of {} outputs changed{})", w.count, w.total,
+                                 w.count == w.total ? ", or an input" : ""));
 }
 
 }  // namespace

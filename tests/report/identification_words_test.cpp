@@ -139,6 +139,19 @@ TEST(IdentificationWords, LimitsOfAClippedChannelHaveTheDigitsThatTellThemApart)
   EXPECT_THAT(warning_text(warning), HasSubstr("are cut off at 2.2351234 or 2.2355: the channel"));
 }
 
+TEST(IdentificationWords, WhereAllOutputsChangedAnInputMayHave) {
+  data::ResponseWarning warning{.kind = data::ResponseWarning::Kind::sensor_changed,
+                                .channel = "d2",
+                                .other = "p2.csv",
+                                .value = -1.0,
+                                .count = 2,
+                                .total = 3};
+  EXPECT_THAT(warning_text(warning), testing::EndsWith("wrong (2 of 3 outputs changed)"));
+  warning.count = 3;
+  EXPECT_THAT(warning_text(warning),
+              testing::EndsWith("wrong (3 of 3 outputs changed, or an input)"));
+}
+
 TEST(IdentificationWords, OneGapIsNotCounted) {
   data::ResponseWarning warning{
       .kind = data::ResponseWarning::Kind::excited_band, .lowest = 0.5, .highest = 39.0};

@@ -81,6 +81,21 @@ TEST_F(SensorChanged, BetweenTwoRecordsSignAndGainAreNamed) {
   }
 }
 
+/// A record at a lower level counts by its own.
+TEST_F(SensorChanged, BetweenRecordsOfOtherLevelsIsNamed) {
+  auto quiet = sound_record(2);
+  quiet.samples *= 0.4;
+  EXPECT_TRUE(
+      changed_in(identified({written("p1.h5", sound_record(1)), written("p2.h5", quiet)})).empty());
+  quiet.samples.col(2) *= -1.0;
+  const auto changed =
+      changed_in(identified({written("p1.h5", sound_record(1)), written("p2.h5", quiet)}));
+  ASSERT_EQ(changed.size(), 1U);
+  EXPECT_EQ(changed[0].channel, "d2");
+  EXPECT_EQ(changed[0].other, "p2.h5");
+  EXPECT_NEAR(changed[0].value, -1.0, 0.03);
+}
+
 /// Of three records the one that differs is named, also where it is the first.
 TEST_F(SensorChanged, TheRecordThatDiffersFromMostIsNamed) {
   for (int wrong = 0; wrong < 3; ++wrong) {
