@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "hydrapod/base/error.hpp"
+#include "hydrapod/identification/identify.hpp"
 #include "names.hpp"
 #include "search.hpp"
 
@@ -223,6 +224,10 @@ FrequencyResponses lines_of(const FrequencyResponses& r, const std::vector<std::
   some.condition = picked(r.condition, lines);
   some.input_density = picked(r.input_density, lines);
   return some;
+}
+
+FrequencyResponses usable_responses(const FrequencyResponses& responses) {
+  return UsableResponses(responses).get();
 }
 
 UsableResponses::UsableResponses(const FrequencyResponses& all) : given_(all) {

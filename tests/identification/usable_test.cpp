@@ -142,6 +142,18 @@ TEST_P(UsableResponses, AResponseThatIsZeroEverywhereIsNoReasonToLeaveLinesOut) 
   EXPECT_THAT(kinds(identify_modes(r)), testing::IsEmpty());
 }
 
+/// As targets of a fit of parameters they are no measurements either.
+TEST_P(UsableResponses, AreGivenToOthers) {
+  auto r = from_zero(GetParam());
+  EXPECT_EQ(usable_responses(r).lines(), 379U);  // not at 0 Hz
+  for (std::size_t k = 100; k < 120; ++k) r.H[k](0, 1) = 0.0;
+  const auto usable = usable_responses(r);
+  EXPECT_EQ(usable.lines(), 359U);
+  EXPECT_EQ(usable.noise.size(), GetParam() ? 359U : 0U);
+  ASSERT_EQ(usable.warnings.size(), 1U);
+  EXPECT_EQ(usable.warnings[0].kind, Kind::lines_zero);
+}
+
 TEST_P(UsableResponses, TooFewLinesThatAreNotZeroAreSaid) {
   auto r = from_zero(GetParam());
   for (std::size_t k = 10; k < r.lines(); ++k) r.H[k](2, 1) = 0.0;

@@ -414,6 +414,10 @@ std::vector<Eigen::MatrixXcd> on_imaginary_axis(const FrequencyResponses& respon
 /// The modes with their errors, as others take them.
 data::ModalResults modal_results(const Identification& identified);
 
+/// What of responses identify_modes() uses: without lines and channels that hold no measurement,
+/// with warnings that say so. Throws base::ComputationError where nothing is left.
+FrequencyResponses usable_responses(const FrequencyResponses& responses);
+
 /// Lines from `from` to `to` [Hz].
 FrequencyResponses within(const FrequencyResponses& responses, double from, double to);
 
