@@ -1,6 +1,7 @@
-/// Frequencies and channels that are left out while modes are found are said, as all else is.
+/// What modes cannot be found in, frequencies, channels and conjugates, is said, as all else is.
 
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,6 +10,8 @@
 #include <string>
 
 #include "exact/modal_system.hpp"
+#include "hydrapod/base/error.hpp"
+#include "hydrapod/tasks/machine.hpp"
 #include "hydrapod/tasks/measurement.hpp"
 #include "support/run_program.hpp"
 
@@ -17,7 +20,7 @@ namespace {
 
 /// A table of the responses of two outputs; `blank`: is this one written as 0?
 template <class Blank>
-void write_table(const std::string& file, const Blank& blank) {
+void write_table(const std::string& file, const Blank& blank, bool conjugate = false) {
   const auto system = test::chain(3, 1.3, 4000.0, 0.015);
   test::Random random(3);
   std::ofstream out(file);
@@ -33,7 +36,7 @@ void write_table(const std::string& file, const Blank& blank) {
       if (blank(o, f))
         out << ",0,0";
       else
-        out << fmt::format(",{},{}", h.real(), h.imag());
+        out << fmt::format(",{},{}", h.real(), conjugate ? -h.imag() : h.imag());
     }
     out << "\n";
   }
@@ -70,6 +73,26 @@ TEST(LinesLeftOut, ADeadOutputOfATableIsSaid) {
   const std::string file = folder / "dead.csv";
   write_table(file, [](int o, double) { return o == 1; });
   EXPECT_EQ(said(identified(file), "a2: dead"), 1);
+}
+
+/// In the convention e^(−iωt).
+TEST(LinesLeftOut, ConjugatedResponsesAreSaidAndAreNoTargets) {
+  const test::TemporaryFolder folder;
+  const std::string file = folder / "conjugated.csv";
+  write_table(
+      file, [](int, double) { return false; }, true);
+  const auto found = identified(file);
+  EXPECT_EQ(said(found, "the phases rise through the resonances"), 1);
+  for (const auto& mode : found.modes.modes) EXPECT_EQ(mode.quality(), 0.0);
+  const auto machine =
+      read_machine({.file = test::source_file("models/heavy-platform.toml").string()});
+  try {
+    read_measured(machine, {.files = {file}});
+    FAIL() << "not refused";
+  } catch (const base::InputError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("conjugated.csv"));
+    EXPECT_THAT(error.what(), testing::HasSubstr("the phases rise through the resonances"));
+  }
 }
 
 }  // namespace
