@@ -116,6 +116,7 @@ class ResponseTable {
         std::ranges::find(columns_, TablePart::frequency, &TableColumn::part) - columns_.begin());
     require_phase_units();
     find_plain_magnitudes();
+    find_needed();
     read_rows();
     settle_phases();
     FrequencyResponses all = assembled();
@@ -156,7 +157,7 @@ class ResponseTable {
     std::string_view cell;
     for (std::size_t c = 0; c < head_.columns && cells.next(cell); ++c) {
       const auto value = base::table_number(cell, table_.style.decimal_comma);
-      if (is_needed(c) && (!value || !std::isfinite(*value)))
+      if (needed_[c] && (!value || !std::isfinite(*value)))
         notes_.fail(fmt::format("\"{}\" is not a finite number; a response needs a value at every "
                                 "frequency",
                                 base::printable(cell, 30)),
@@ -170,10 +171,10 @@ class ResponseTable {
     return true;
   }
 
-  [[nodiscard]] bool is_needed(std::size_t column) const {
-    return column == frequency_column_ || std::ranges::any_of(pairs_, [&](const PairColumns& p) {
-             return column == p.first || column == p.second;
-           });
+  void find_needed() {
+    needed_.assign(head_.columns, false);
+    needed_[frequency_column_] = true;
+    for (const PairColumns& pair : pairs_) needed_[pair.first] = needed_[pair.second] = true;
   }
 
   void require_ascending() const {
@@ -431,6 +432,7 @@ class ResponseTable {
   std::optional<FrequencyResponses> described_{};        ///< by hydrapod, without lines
   std::vector<std::pair<PairColumns, Place>> places_{};  ///< of the responses
   std::size_t frequency_column_{};
+  std::vector<bool> needed_{};  ///< columns of which every number is
   std::vector<std::pair<std::size_t, std::string>> plain_magnitudes_{};  ///< columns, names
   std::vector<std::vector<double>> rows_{};
 };
