@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "hydrapod/base/error.hpp"
-#include "hydrapod/identification/identify.hpp"
 #include "names.hpp"
 #include "search.hpp"
 

@@ -316,8 +316,8 @@ struct IdentifiedMode {
   /// Share of the residual around its frequency that noise explains: 1/Unexplained::level of the
   /// worst response there, at most 1 − Unexplained::smooth, and where the misfit of the whole is a
   /// warning, at most largest_misfit/misfit; 1 where all is noise. Where the excitation is weak, at
-  /// most F by what is needed; where sensors changed, at most the share of those that did not;
-  /// where the responses are conjugates, 0.
+  /// most F by what is needed; where sensors changed, at most the share of those that did not; 0 of
+  /// conjugates.
   double explained{1.0};
   /// ζ ω over ζ ω and the deviation of ω between parts of the record; 1: it does not wander, or
   /// that was not asked.
@@ -365,8 +365,7 @@ struct ModeWarning {
                    ///< its frequency, `to` its half-power bandwidth [Hz]
     peaks_above,   ///< `count` peaks of the responses, the largest at value [Hz], above the band
                    ///< `from` … `to` that modes were found in
-    conjugated     ///< modes leave `share` of the responses (root mean square) from `from` to `to`,
-                   ///< and those of the conjugates of the responses leave `value` of these
+    conjugated     ///< modes leave `share` of the responses (RMS), and `value` of their conjugates
   };
   Kind kind{};
   double value{};
@@ -413,10 +412,6 @@ std::vector<Eigen::MatrixXcd> on_imaginary_axis(const FrequencyResponses& respon
 
 /// The modes with their errors, as others take them.
 data::ModalResults modal_results(const Identification& identified);
-
-/// What of responses identify_modes() uses: without lines and channels that hold no measurement,
-/// with warnings that say so. Throws base::ComputationError where nothing is left.
-FrequencyResponses usable_responses(const FrequencyResponses& responses);
 
 /// Lines from `from` to `to` [Hz].
 FrequencyResponses within(const FrequencyResponses& responses, double from, double to);
