@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
 
 #include "hydrapod/base/error.hpp"
 #include "names.hpp"
@@ -41,25 +44,22 @@ bool is_above_zero(const FrequencyResponses& r, std::size_t k) {
 }
 
 /// Where an analyser has not measured: responses that are exactly 0 at some lines, not at all.
-/// Those that are calculated from records are not 0 so.
+/// Those that are calculated from records are not 0 so. What was rounded to 0 is a measurement:
+/// beside it are but a few of the steps that a table of so many digits has, or the response has no
+/// more.
 class ZeroLines {
  public:
   explicit ZeroLines(const FrequencyResponses& r)
-      : counts_(MatrixXi::Zero(std::ssize(r.outputs), std::ssize(r.inputs))) {
+      : counts_(Eigen::MatrixXi::Zero(std::ssize(r.outputs), std::ssize(r.inputs))),
+        are_zero_(r.lines(), false) {
     if (r.whole != nullptr || !r.excitation.empty()) return;
-    int lines = 0;
-    for (std::size_t k = 0; k < r.lines(); ++k) {
-      if (!is_above_zero(r, k)) continue;
-      counts_ += zeros(r.H[k]);
-      ++lines;
-    }
-    counts_ = (counts_.array() < lines).select(counts_, 0);
+    while (first_ < r.lines() && !is_above_zero(r, first_)) ++first_;
+    for (Index o = 0; o < counts_.rows(); ++o)
+      for (Index i = 0; i < counts_.cols(); ++i) look_at(r, o, i);
   }
 
   [[nodiscard]] bool are_there() const { return (counts_.array() > 0).any(); }
-  [[nodiscard]] bool has(const MatrixXcd& H) const {
-    return (zeros(H).array() > 0 && counts_.array() > 0).any();
-  }
+  [[nodiscard]] bool at(std::size_t line) const { return are_zero_[line]; }
   struct Entry {
     Index output{}, input{};
     int lines{};
@@ -72,11 +72,39 @@ class ZeroLines {
   }
 
  private:
-  using MatrixXi = Eigen::MatrixXi;
-  static MatrixXi zeros(const MatrixXcd& H) {
-    return (H.real().array() == 0.0 && H.imag().array() == 0.0).cast<int>();
+  /// The larger one of real and imaginary part.
+  static double size_of(const Complex& h) {
+    return std::max(std::abs(h.real()), std::abs(h.imag()));
   }
-  MatrixXi counts_;  ///< lines per response; 0 where it is 0 at all of them
+
+  void look_at(const FrequencyResponses& r, Index o, Index i) {
+    constexpr double few_steps = 4.0, coarse = 50.0;
+    double step = std::numeric_limits<double>::infinity(), largest = 0.0;
+    bool has_zero = false;
+    for (std::size_t k = first_; k < r.lines(); ++k) {
+      const Complex h = r.H[k](o, i);
+      has_zero = has_zero || h == 0.0;
+      for (const double part : {std::abs(h.real()), std::abs(h.imag())})
+        if (part > 0.0) step = std::min(step, part);
+      if (size_of(h) > largest) largest = size_of(h);
+    }
+    if (!has_zero || !(largest > coarse * step)) return;
+    const auto is_zero = [&](std::size_t k) { return r.H[k](o, i) == 0.0; };
+    for (std::size_t k = first_, end = k; k < r.lines(); k = end + 1) {
+      end = k;
+      while (end < r.lines() && is_zero(end)) ++end;  // k … end − 1 are 0
+      const bool large_before = k > first_ && !(size_of(r.H[k - 1](o, i)) <= few_steps * step),
+                 large_behind = end < r.lines() && !(size_of(r.H[end](o, i)) <= few_steps * step);
+      if (end == k || !(large_before || large_behind)) continue;
+      counts_(o, i) += static_cast<int>(end - k);
+      std::fill(are_zero_.begin() + static_cast<std::ptrdiff_t>(k),
+                are_zero_.begin() + static_cast<std::ptrdiff_t>(end), true);
+    }
+  }
+
+  Eigen::MatrixXi counts_;  ///< lines per response
+  std::vector<bool> are_zero_;
+  std::size_t first_{};
 };
 
 /// What stays must suffice.
@@ -99,7 +127,7 @@ void leave_out_lines(const ZeroLines& zero, FrequencyResponses& r) {
     if (!is_above_zero(r, k)) continue;
     if (!is_finite_at(r, k))
       ++broken;
-    else if (zero.has(r.H[k]))
+    else if (zero.at(k))
       ++empty;
     else
       kept.push_back(k);

@@ -18,7 +18,7 @@ FrequencyResponses lines_of(const FrequencyResponses& r, const std::vector<std::
 /// - lines above half the sample rate that are the conjugates of those below, in reverse, with a
 ///   warning: such files have all lines of a transform;
 /// - lines at which a response is exactly 0 that is not so at all lines, with a warning: analysers
-///   write that outside their band and where the coherence was low;
+///   write that outside their band and where the coherence was low; not what is rounded to 0;
 /// - outputs and inputs whose responses are 0 at all lines, with a warning each.
 ///
 /// They are copied only where something is left out. Throws base::ComputationError where no

@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <complex>
 #include <limits>
 #include <utility>
 
@@ -133,6 +135,21 @@ TEST_P(UsableResponses, ConjugatesAboveHalfTheSampleRateAreLeftOut) {
     ASSERT_THAT(kinds(found), testing::ElementsAre(Kind::two_sided));
     EXPECT_NEAR(found.responses.warnings[0].value, 379 * spacing, 1e-9);
     EXPECT_EQ(found.responses.warnings[0].count, to_the_rate ? 379 : 378);
+  }
+}
+
+/// In a table of few digits small responses are 0.
+TEST_P(UsableResponses, WhatIsRoundedToZeroIsNoReasonToLeaveLinesOut) {
+  for (const double step : {1e-4, 5e-4}) {  // the largest is 0.027
+    auto r = from_zero(GetParam());
+    int zeros = 0;
+    for (auto& H : r.H)
+      for (auto& h : H.reshaped()) {
+        h = step * std::complex<double>(std::round(h.real() / step), std::round(h.imag() / step));
+        zeros += h == 0.0 ? 1 : 0;
+      }
+    EXPECT_GT(zeros, 20);
+    EXPECT_EQ(usable_responses(r).lines(), 379U) << step;
   }
 }
 
