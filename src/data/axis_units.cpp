@@ -26,10 +26,18 @@ constexpr std::array frequency_spellings{Spelling{"hz", 1.0},
                                          Spelling{"1/min", 1.0 / 60.0},
                                          Spelling{"rad/s", 1.0 / base::two_pi},
                                          Spelling{"rad/sec", 1.0 / base::two_pi},
+                                         Spelling{"rads/s", 1.0 / base::two_pi},
+                                         Spelling{"rads/sec", 1.0 / base::two_pi},
                                          Spelling{"radians/s", 1.0 / base::two_pi},
                                          Spelling{"radians/sec", 1.0 / base::two_pi}};
-constexpr std::array rate_spellings{Spelling{"samples/s", 1.0}, Spelling{"samples/sec", 1.0},
-                                    Spelling{"sa/s", 1.0}, Spelling{"s/s", 1.0}};
+constexpr std::array rate_spellings{Spelling{"samples/s", 1.0},
+                                    Spelling{"samples/sec", 1.0},
+                                    Spelling{"samples/second", 1.0},
+                                    Spelling{"samples per second", 1.0},
+                                    Spelling{"sps", 1.0},
+                                    Spelling{"1/second", 1.0},
+                                    Spelling{"sa/s", 1.0},
+                                    Spelling{"s/s", 1.0}};
 constexpr std::array time_spellings{
     Spelling{"s", 1.0},   Spelling{"sec", 1.0},   Spelling{"second", 1.0}, Spelling{"seconds", 1.0},
     Spelling{"ms", 1e-3}, Spelling{"msec", 1e-3}, Spelling{"us", 1e-6},    Spelling{"usec", 1e-6}};

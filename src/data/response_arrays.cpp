@@ -246,8 +246,10 @@ class ArrayReader {
     for (std::size_t k = 0; k < frequency.size(); ++k)
       if (!std::isfinite(frequency[k]) || frequency[k] < 0.0 ||
           (k > 0 && frequency[k] <= frequency[k - 1]))
-        notes_.fail(fmt::format("the frequencies '{}' do not ascend from 0 Hz on: number {} is {}",
-                                base::printable(name), k + 1, frequency[k] / factor));
+        notes_.fail(
+            fmt::format("the frequencies '{}' do not ascend from 0 Hz on: number {} is {}{}",
+                        base::printable(name), k + 1, frequency[k] / factor,
+                        frequency[k] < 0.0 ? two_sided_remedy : ""));
   }
 
   /// Sizes of the indices besides that of the frequencies, without those of 1.

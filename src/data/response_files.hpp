@@ -23,6 +23,10 @@ ReadFrequencyResponsesResult read_response_arrays(const std::string& path, OpenV
 /// Fails where all imaginary parts are exactly 0: these are magnitudes, or real parts alone.
 void require_imaginary_parts(const FrequencyResponses& all, const Notes& notes);
 
+/// Behind a frequency below 0.
+inline constexpr const char* two_sided_remedy =
+    ", below 0 as in two-sided responses; expected are those from 0 Hz on alone";
+
 inline constexpr const char* responses_mark = "hydrapod responses";
 inline constexpr int responses_version = 1;
 

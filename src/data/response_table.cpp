@@ -115,6 +115,8 @@ class ResponseTable {
     frequency_column_ = static_cast<std::size_t>(
         std::ranges::find(columns_, TablePart::frequency, &TableColumn::part) - columns_.begin());
     require_phase_units();
+    find_plain_magnitudes();
+    find_needed();
     read_rows();
     settle_phases();
     FrequencyResponses all = assembled();
@@ -155,7 +157,7 @@ class ResponseTable {
     std::string_view cell;
     for (std::size_t c = 0; c < head_.columns && cells.next(cell); ++c) {
       const auto value = base::table_number(cell, table_.style.decimal_comma);
-      if (is_needed(c) && (!value || !std::isfinite(*value)))
+      if (needed_[c] && (!value || !std::isfinite(*value)))
         notes_.fail(fmt::format("\"{}\" is not a finite number; a response needs a value at every "
                                 "frequency",
                                 base::printable(cell, 30)),
@@ -169,16 +171,18 @@ class ResponseTable {
     return true;
   }
 
-  [[nodiscard]] bool is_needed(std::size_t column) const {
-    return column == frequency_column_ || std::ranges::any_of(pairs_, [&](const PairColumns& p) {
-             return column == p.first || column == p.second;
-           });
+  void find_needed() {
+    needed_.assign(head_.columns, false);
+    needed_[frequency_column_] = true;
+    for (const PairColumns& pair : pairs_) needed_[pair.first] = needed_[pair.second] = true;
   }
 
   void require_ascending() const {
     const double now = rows_.back()[frequency_column_];
     const double before = rows_.size() > 1 ? rows_[rows_.size() - 2][frequency_column_] : -1.0;
-    if (now < 0.0 || now <= before)
+    if (now < 0.0)
+      notes_.fail(fmt::format("the frequency is {} Hz{}", now, two_sided_remedy), table_.line());
+    if (now <= before)
       notes_.fail(
           fmt::format("the frequency {} Hz does not ascend; expected are frequencies from 0 "
                       "Hz on, each above the one before",
@@ -187,7 +191,12 @@ class ResponseTable {
   }
 
   [[nodiscard]] bool is_decibel(const PairColumns& pair) const {
-    return base::lower_case(columns_[pair.first].unit).starts_with("db");
+    return pair.polar && base::lower_case(columns_[pair.first].unit).starts_with("db");
+  }
+
+  void find_plain_magnitudes() {
+    for (const PairColumns& pair : pairs_)
+      if (pair.polar && !is_decibel(pair)) plain_magnitudes_.emplace_back(pair.first, pair.name);
   }
 
   void require_phase_units() {
@@ -206,11 +215,11 @@ class ResponseTable {
   }
 
   void require_magnitudes() const {
-    for (const PairColumns& pair : pairs_)
-      if (pair.polar && !is_decibel(pair) && rows_.back()[pair.first] < 0.0)
+    for (const auto& [column, name] : plain_magnitudes_)
+      if (rows_.back()[column] < 0.0)
         notes_.fail(fmt::format("the magnitude \"{}\" is {}, and must not be below 0; is it in dB? "
                                 "Title it [dB]",
-                                base::printable(pair.name), rows_.back()[pair.first]),
+                                base::printable(name), rows_.back()[column]),
                     table_.line());
   }
 
@@ -233,12 +242,22 @@ class ResponseTable {
     }
   }
 
-  [[nodiscard]] std::complex<double> value(const PairColumns& pair,
-                                           const std::vector<double>& row) const {
+  /// Units are read once: a table has many rows.
+  struct Polar {
+    bool decibel{};
+    double radians{};  ///< of one of the phase
+  };
+  [[nodiscard]] Polar polar_of(const PairColumns& pair) const {
+    if (!pair.polar) return {};
+    return {is_decibel(pair), *radians_of(columns_[pair.second].unit)};
+  }
+
+  static std::complex<double> value(const PairColumns& pair, const Polar& polar,
+                                    const std::vector<double>& row) {
     if (!pair.polar) return {row[pair.first], row[pair.second]};
     const double magnitude =
-        is_decibel(pair) ? std::pow(10.0, row[pair.first] / 20.0) : row[pair.first];
-    return std::polar(1.0, *radians_of(columns_[pair.second].unit) * row[pair.second]) * magnitude;
+        polar.decibel ? std::pow(10.0, row[pair.first] / 20.0) : row[pair.first];
+    return std::polar(1.0, polar.radians * row[pair.second]) * magnitude;
   }
 
   static std::size_t number_of(const Channel& channel, std::vector<Channel>& channels) {
@@ -251,6 +270,7 @@ class ResponseTable {
   struct Place {
     Eigen::Index row{}, column{};
     double factor{1.0};  ///< to SI
+    Polar polar{};
   };
 
   /// Of a response by any program; its channels are added where they are new.
@@ -277,7 +297,7 @@ class ResponseTable {
                               .role = Role::excitation,
                               .point = name.input_point},
                              all.inputs);
-    return {static_cast<Eigen::Index>(o), static_cast<Eigen::Index>(i), factor};
+    return {static_cast<Eigen::Index>(o), static_cast<Eigen::Index>(i), factor, polar_of(pair)};
   }
 
   /// The channels of "a1/F" among those that are described.
@@ -308,8 +328,9 @@ class ResponseTable {
         continue;
       }
       places_.emplace_back(
-          pair, Place{static_cast<Eigen::Index>(number_of(*channels->first, all.outputs)),
-                      static_cast<Eigen::Index>(number_of(*channels->second, all.inputs))});
+          pair, Place{.row = static_cast<Eigen::Index>(number_of(*channels->first, all.outputs)),
+                      .column = static_cast<Eigen::Index>(number_of(*channels->second, all.inputs)),
+                      .polar = polar_of(pair)});
     }
     if (!described_) tell_measured_inputs(all.inputs);
     if (places_.empty()) notes_.fail("none of the responses that are described is in the table");
@@ -329,7 +350,9 @@ class ResponseTable {
                         Eigen::MatrixXcd::Constant(static_cast<Eigen::Index>(of.size()),
                                                    static_cast<Eigen::Index>(to.size()), missing));
       const auto i = channels->first - of.data(), j = channels->second - to.data();
-      for (std::size_t k = 0; k < rows_.size(); ++k) matrices[k](i, j) = value(pair, rows_[k]);
+      const Polar polar = polar_of(pair);
+      for (std::size_t k = 0; k < rows_.size(); ++k)
+        matrices[k](i, j) = value(pair, polar, rows_[k]);
     }
     return matrices;
   }
@@ -348,7 +371,7 @@ class ResponseTable {
       Eigen::MatrixXcd H(rows, columns);
       Eigen::MatrixXd V(rows, columns);
       for (const auto& [pair, place] : places_) {
-        H(place.row, place.column) = place.factor * value(pair, row);
+        H(place.row, place.column) = place.factor * value(pair, place.polar, row);
         if (deviations)
           V(place.row, place.column) = std::pow(place.factor * row[*pair.deviation], 2);
       }
@@ -409,6 +432,8 @@ class ResponseTable {
   std::optional<FrequencyResponses> described_{};        ///< by hydrapod, without lines
   std::vector<std::pair<PairColumns, Place>> places_{};  ///< of the responses
   std::size_t frequency_column_{};
+  std::vector<bool> needed_{};  ///< columns of which every number is
+  std::vector<std::pair<std::size_t, std::string>> plain_magnitudes_{};  ///< columns, names
   std::vector<std::vector<double>> rows_{};
 };
 

@@ -59,7 +59,7 @@ double abscissa_factor(const UffFunction& f, const std::optional<double>& known,
   if (plain.empty() || plain == "none" || plain == "-") return 1.0;
   if (known) return *known;
   const std::string name = base::printable(label, 30);
-  if (channel_unit(label).known)
+  if (channel_unit(label).known || plain.starts_with("rad"))  // 2π is no matter of a note
     notes.fail(fmt::format("dataset {}: the unit of its abscissa is \"{}\"; accepted are {}",
                            f.dataset, name, accepted),
                f.line);

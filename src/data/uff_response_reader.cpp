@@ -141,6 +141,10 @@ class ResponseReader {
         std::ranges::all_of(frequency, [](double v) { return std::isfinite(v); }) &&
         std::ranges::adjacent_find(frequency, std::greater_equal<>()) == frequency.end();
     if (!ascending) {
+      if (!frequency.empty() && frequency.front() < 0.0)
+        notes_.fail(fmt::format("dataset {}: its first frequency is {} Hz{}", f.dataset,
+                                frequency.front(), two_sided_remedy),
+                    f.line);
       notes_.add(fmt::format("dataset {}: its frequencies do not ascend from 0 Hz on: left out",
                              f.dataset),
                  f.line);
@@ -268,6 +272,7 @@ class ResponseReader {
     };
     all.H = collected(responses_, rows, columns);
     require_all_pairs(all);
+    if (!by_hydrapod_) require_imaginary_parts(all, notes_);
     for (const auto& coherence : collected(coherences_, rows, 1))
       all.multiple_coherence.emplace_back(coherence.real());
     WrittenErrors errors;

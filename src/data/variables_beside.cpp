@@ -100,27 +100,31 @@ bool is_time_variable(const std::string& name) { return is_one_of(time_words, na
 bool is_start_name(const std::string& name) { return is_one_of(start_words, name); }
 
 std::vector<RateVariable> rates_beside(const std::vector<Variable>& variables,
-                                       const std::vector<std::string>& samples,
-                                       const Notes& notes) {
-  std::vector<RateVariable> beside, others;
+                                       const std::vector<std::string>& samples, bool needed,
+                                       Notes& notes) {
+  std::vector<RateVariable> beside, others, of_else;
+  const auto take = [&](const RateVariable& rate) {
+    auto& list = is_beside(rate.name, samples) ? beside : others;
+    (std::isnan(rate.hertz) ? of_else : list).push_back(rate);
+  };
   for (const Variable& v : variables) {
     if (v.kind != VariableKind::numbers || v.fast * v.slow != 1) continue;
     if (!std::isfinite(v.number) || v.number <= 0.0) continue;
-    auto& list = is_beside(v.name, samples) ? beside : others;
     constexpr double near = 1e-9;  // 1/0.01 is 100
     if (is_one_of(rate_words, v.name))
-      list.push_back({v.number * rate_of(v.unit).value_or(no_rate), v.name, v.unit, "Hz, kHz"});
+      take({v.number * rate_of(v.unit).value_or(no_rate), v.name, v.unit, "Hz, kHz"});
     if (is_one_of(step_words, v.name)) {
       const double step = v.number * seconds_of(v.unit).value_or(no_rate);
-      list.push_back({rounded_rate(1.0 / step, near), v.name, v.unit, "s, ms"});
+      take({rounded_rate(1.0 / step, near), v.name, v.unit, "s, ms"});
     }
   }
   auto& chosen = beside.empty() ? others : beside;
-  for (const RateVariable& rate : chosen)
-    if (std::isnan(rate.hertz))
-      notes.fail(fmt::format("'{}' states the sampling in the unit \"{}\"; accepted are {}",
-                             base::printable(rate.name), base::printable(rate.unit, 30),
-                             rate.accepted));
+  for (const RateVariable& rate : of_else) {
+    const auto said = fmt::format("'{}' states the sampling in the unit \"{}\"",
+                                  base::printable(rate.name), base::printable(rate.unit, 30));
+    if (needed && chosen.empty()) notes.fail(said + "; accepted are " + rate.accepted);
+    notes.add(said + ": left aside");
+  }
   return std::move(chosen);
 }
 

@@ -27,9 +27,11 @@ struct RateVariable {
 };
 
 /// All of them; where some stand beside the arrays `samples`, in their group or structure or on
-/// top, only these. Fails where one of them is in a unit that is none of a rate or of a time.
+/// top, only these. One in a unit that is none of a rate or of a time, as a step of a stage, is
+/// left aside with a note; where a rate is `needed` and there is no other, this fails.
 std::vector<RateVariable> rates_beside(const std::vector<Variable>& variables,
-                                       const std::vector<std::string>& samples, const Notes& notes);
+                                       const std::vector<std::string>& samples, bool needed,
+                                       Notes& notes);
 
 struct ChannelTexts {
   std::vector<std::string> names{}, units{};  ///< one per channel, or none at all

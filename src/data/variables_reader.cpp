@@ -367,7 +367,8 @@ class VariablesReader final : public RecordReader {
   void find_rate(const Variable* times, const ReadOptions& options) {
     std::vector<std::string> samples;
     for (const Source& source : sources_) samples.push_back(all()[source.variable].name);
-    const auto found = rates_beside(all(), samples, notes_);
+    const auto found =
+        rates_beside(all(), samples, times == nullptr && !options.sample_rate, notes_);
     std::optional<StatedRate> stated;
     if (!found.empty())
       stated = {found[0].hertz, fmt::format("the variable '{}'", base::printable(found[0].name))};
@@ -404,8 +405,8 @@ class VariablesReader final : public RecordReader {
   /// Start and rate, and the grid where samples are missing or times scatter.
   void use_times(const Variable& times, const std::optional<StatedRate>& stated) {
     times_ = static_cast<std::size_t>(&times - all().data());
-    const ChannelUnit unit = channel_unit(times.unit);
-    time_factor_ = unit.unit == "s" ? unit.factor : 1.0;
+    const auto seconds = seconds_of(times.unit);
+    time_factor_ = seconds.value_or(1.0);
     bool single = true;  // times of single precision have seven digits
     std::vector<double> block;
     const TimeSource source{
@@ -428,6 +429,9 @@ class VariablesReader final : public RecordReader {
     TimeGrid grid = find_time_grid(source, stated, notes_);
     header_.sample_rate = grid.rate;
     header_.start = grid.start;
+    if (!seconds && time_origin_ == 0.0)  // those of a calendar are known by their size
+      notes_.add(fmt::format("the unit \"{}\" of the times '{}' is unknown: taken for s",
+                             base::printable(times.unit, 30), base::printable(times.name)));
     if (times.unit.empty() && time_origin_ == 0.0)
       note_assumed_seconds(grid.rate, length_, "--rate states another rate", notes_);
     if (grid.complete) return;

@@ -8,6 +8,7 @@
 
 #include "assumed_errors.hpp"
 #include "beside_open.hpp"
+#include "conjugated.hpp"
 #include "fit_covariance.hpp"
 #include "harmonics.hpp"
 #include "hydrapod/base/error.hpp"
@@ -390,6 +391,34 @@ void warn_of_peaks_above(const FrequencyResponses& all, const IdentifyOptions& a
                              .count = static_cast<std::int64_t>(peaks.size())});
 }
 
+/// Modes of conjugates that explain them much better than those of the responses as they are do:
+/// then these are none. `responses`: with errors.
+void test_conjugates(const FrequencyResponses& responses, const IdentifyOptions& options,
+                     bool assumed, const std::function<void(double)>& progress,
+                     Identification& result) {
+  if (!are_before_cause(responses)) return;
+  const auto other = fitted(options,
+                            search_in_best_band(conjugated(responses), options,
+                                                [&](double) {
+                                                  if (progress) progress(1.0);
+                                                }),
+                            assumed);
+  if (std::ranges::none_of(other.model.modes, [&](const FittedMode& mode) {
+        return mode.damping_ratio() <= options.highest_damping;
+      }))
+    return;
+  const double left = other.model.error;
+  const double left_of_given =
+      std::min(1.0, share_left_by(result.model, within(responses, other.from, other.to)));
+  if (!(left < of_conjugates * left_of_given)) return;
+  result.warnings.push_back({.kind = ModeWarning::Kind::conjugated,
+                             .value = left,
+                             .from = other.from,
+                             .to = other.to,
+                             .share = left_of_given});
+  for (auto& mode : result.modes) mode.explained = 0.0;
+}
+
 }  // namespace
 
 Identification identify_modes(const FrequencyResponses& all, const IdentifyOptions& asked,
@@ -428,6 +457,7 @@ Identification identify_modes(const FrequencyResponses& all, const IdentifyOptio
   lower_quality(given, result);
   add_warnings(options, result);
   warn_of_peaks_above(responses, asked, result);
+  test_conjugates(responses, options, assumed, progress, result);
   if (assumed) remove_errors(result.responses);
   return result;
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "fit_covariance.hpp"
 #include "hydrapod/numerics/statistics.hpp"
@@ -26,10 +27,34 @@ MatrixXcd row_covariance(const FrequencyResponses& r, std::size_t line, Index ou
   return r.noise[line](output, output).real() * r.input_factor[line].transpose();
 }
 
+/// `least`: of the density in the whole, per input.
 bool is_excited(const FrequencyResponses& part, std::size_t line, const FrequencyResponses& whole,
-                std::size_t of_whole, double least) {
+                std::size_t of_whole, const VectorXd& least) {
   if (part.input_density.empty() || whole.input_density.empty()) return true;
-  return (part.input_density[line].array() > least * whole.input_density[of_whole].array()).all();
+  return (part.input_density[line].array() > least.array() * whole.input_density[of_whole].array())
+      .all();
+}
+
+/// A part at a lower level is measured by its own: per input the density by that of the whole which
+/// all but a few lines stay below, at most 1.
+VectorXd level_of(const FrequencyResponses& part, const FrequencyResponses& whole, double lowest) {
+  constexpr double few = 0.05;
+  VectorXd level = VectorXd::Ones(std::ssize(whole.inputs));
+  if (part.input_density.empty() || whole.input_density.empty()) return level;
+  for (Index i = 0; i < level.size(); ++i) {
+    std::vector<double> ratios;
+    for (std::size_t k = 0; k < part.lines(); ++k)
+      if (const auto at = line_at(whole, part.frequency[k]);
+          at && whole.input_density[*at][i] > 0.0)
+        ratios.push_back(part.input_density[k][i] / whole.input_density[*at][i]);
+    if (ratios.empty()) continue;
+    const auto place =
+        ratios.begin() + static_cast<std::ptrdiff_t>((1.0 - few) * std::ssize(ratios));
+    const auto at = std::min(place, ratios.end() - 1);
+    std::ranges::nth_element(ratios, at);
+    level[i] = std::clamp(*at, lowest, 1.0);
+  }
+  return level;
 }
 
 /// Of two in the middle the one that is nearer to 1.
@@ -39,22 +64,39 @@ double middle_of(std::vector<double> values) {
   return std::abs(upper - 1.0) < std::abs(lower - 1.0) ? upper : lower;
 }
 
-/// How far from 1; another sign is further than any gain.
-double size_of_change(double factor) {
-  return (factor < 0.0 ? 1e6 : 0.0) + std::abs(std::log(std::abs(factor)));
+/// `values` of which each is like the others in sign and, within `least_change`, in size: as many
+/// as there are; of two such groups the one that is nearer to 1. Indices.
+std::vector<std::size_t> largest_agreement(const std::vector<double>& values, double least_change) {
+  std::vector<std::size_t> best;
+  double best_distance = 0.0;
+  for (const double value : values) {
+    std::vector<std::size_t> like;
+    for (std::size_t k = 0; k < values.size(); ++k)
+      if (values[k] / value > 0.0 &&
+          std::abs(std::log(values[k] / value)) <= std::log1p(least_change))
+        like.push_back(k);
+    const double distance = std::abs(value - 1.0);
+    if (like.size() < best.size() || (like.size() == best.size() && distance >= best_distance))
+      continue;
+    best = std::move(like);
+    best_distance = distance;
+  }
+  return best;
 }
 
 }  // namespace
 
-SensorWatch::Ratio SensorWatch::ratio_of(const FrequencyResponses& part, Index output) const {
+SensorWatch::Ratio SensorWatch::ratio_of(const FrequencyResponses& part, const VectorXd& level,
+                                         Index output) const {
+  const VectorXd least = options_.least_excitation * level,
+                 least_of_first = options_.least_excitation * level_of_first_;
   double hh = 0.0, gg = 0.0, hg = 0.0;
   int lines = 0;
   for (std::size_t k = 0; k < first_->lines(); ++k) {
     const double f = first_->frequency[k];
     const auto other = line_at(part, f), of_whole = line_at(whole_, f);
-    if (!other || !of_whole ||
-        !is_excited(*first_, k, whole_, *of_whole, options_.least_excitation) ||
-        !is_excited(part, *other, whole_, *of_whole, options_.least_excitation))
+    if (!other || !of_whole || !is_excited(*first_, k, whole_, *of_whole, least_of_first) ||
+        !is_excited(part, *other, whole_, *of_whole, least))
       continue;
     const VectorXcd h = first_->H[k].row(output).transpose(),
                     g = part.H[*other].row(output).transpose();
@@ -84,28 +126,36 @@ void SensorWatch::add(const FrequencyResponses& part, std::size_t label) {
       !part.has_errors() || (first_ && part.shift != first_->shift))
     return;
   const auto in_band = within(part, whole_.frequency.front(), whole_.frequency.back());
+  const VectorXd level = level_of(in_band, whole_, options_.lowest_level);
   std::vector<Ratio> ratios(part.outputs.size(), Ratio{1.0, 0.0, 1.0});
-  if (first_)
+  if (first_) {
     for (std::size_t o = 0; o < ratios.size(); ++o)
-      ratios[o] = ratio_of(in_band, static_cast<Index>(o));
-  else
+      ratios[o] = ratio_of(in_band, level, static_cast<Index>(o));
+  } else {
     first_ = in_band;
+    level_of_first_ = level;
+  }
   parts_.push_back(std::move(ratios));
   labels_.push_back(label);
 }
 
-/// Each by what most parts say.
-std::vector<std::vector<SensorWatch::Ratio>> SensorWatch::against_median() const {
+/// Each by what most parts say. A part within which the sensor changed says what neither side of it
+/// does, so that a median of all parts may be that of nobody.
+std::vector<std::vector<SensorWatch::Ratio>> SensorWatch::against_most() const {
   auto all = parts_;
   for (std::size_t o = 0; o < all[0].size(); ++o) {
-    std::vector<double> known;
-    double worst = 0.0;
+    std::vector<double> known, deviations, right_ones;
     for (const auto& part : all) {
       if (!std::isfinite(part[o].alpha)) continue;
       known.push_back(part[o].alpha);
-      worst = std::max(worst, part[o].deviation);
+      deviations.push_back(part[o].deviation);
     }
-    const double right = middle_of(known);  // the first part is known
+    double worst = 0.0;
+    for (const std::size_t k : largest_agreement(known, options_.least_change)) {
+      right_ones.push_back(known[k]);
+      worst = std::max(worst, deviations[k]);
+    }
+    const double right = middle_of(right_ones);  // the first part is known
     for (auto& part : all) {
       part[o].alpha /= right;
       part[o].likeness *= std::copysign(1.0, right);
@@ -136,8 +186,8 @@ void SensorWatch::look_at(std::size_t part, const std::vector<Ratio>& ratios, do
     const bool scaled = std::abs(ratio.likeness) > options_.alike && differs(gain) &&
                         std::abs(std::log(gain)) > largest * ratio.deviation;
     if (turned || scaled)
-      changes.push_back(
-          {labels_[part], static_cast<Index>(o), std::copysign(gain, ratio.alpha), 0});
+      changes.push_back({labels_[part], static_cast<Index>(o), std::copysign(gain, ratio.alpha), 0,
+                         ratio.deviation});
   }
 }
 
@@ -147,11 +197,15 @@ std::optional<SensorWatch::Change> SensorWatch::result() const {
   const double largest =
       std::sqrt(numerics::chi_squared_quantile(1.0 - options_.chance / tests, 1));
   std::vector<Change> changes;
-  const auto all = against_median();
+  const auto all = against_most();
   for (std::size_t part = 0; part < all.size(); ++part) look_at(part, all[part], largest, changes);
   if (changes.empty()) return {};
-  Change worst = *std::ranges::max_element(
-      changes, {}, [](const Change& c) { return size_of_change(c.factor); });
+  // another sign is further than any gain; of such, a part with both signs in it is the uncertain
+  // one
+  Change worst = *std::ranges::max_element(changes, {}, [](const Change& c) {
+    const bool turned = c.factor < 0.0;
+    return std::pair(turned, turned ? -c.deviation : std::abs(std::log(c.factor)));
+  });
   std::vector<Index> outputs;
   for (const auto& change : changes) outputs.push_back(change.output);
   std::ranges::sort(outputs);

@@ -9,7 +9,7 @@
 /// the output of that part is α = ±√(S_gg/S_hh) times that of the first, with the sign of S_hg.
 /// Both sums are those of the responses themselves, so that α does not depend on noise. A mode that
 /// wanders between the parts makes |γ| = |S_hg|/√(S_hh S_gg) smaller and leaves √(S_gg/S_hh) as it
-/// is; where γ is small, α tells nothing. What the median of the parts says is right.
+/// is; where γ is small, α tells nothing. What most parts agree on is right.
 ///
 /// What a part has in common for all outputs, as a machine whose damping is another at another
 /// level has, is no change of a sensor: gains are compared with the median of the outputs.
@@ -29,7 +29,10 @@ struct SensorWatchOptions {
   double opposite{0.7};      ///< … and of another sign
   /// Deviations of a row below this share of it are not relied upon.
   double finest{0.01};
-  double least_excitation{0.5};  ///< as WanderOptions::least_excitation, per line
+  /// As WanderOptions::least_excitation, per line, of a part at the level of the whole; of a weaker
+  /// one by its own level, down to lowest_level (of the density): below, lines may be leakage.
+  double least_excitation{0.5};
+  double lowest_level{0.01};
   int fewest_lines{16};
 };
 
@@ -47,6 +50,7 @@ class SensorWatch {
     Eigen::Index output{};
     double factor{};         ///< α by what is right
     std::int64_t outputs{};  ///< that changed
+    double deviation{};      ///< of ln |factor|
   };
   /// The largest.
   [[nodiscard]] std::optional<Change> result() const;
@@ -56,14 +60,16 @@ class SensorWatch {
   struct Ratio {
     double alpha{}, deviation{}, likeness{};
   };
-  [[nodiscard]] Ratio ratio_of(const FrequencyResponses& part, Eigen::Index output) const;
-  [[nodiscard]] std::vector<std::vector<Ratio>> against_median() const;
+  [[nodiscard]] Ratio ratio_of(const FrequencyResponses& part, const Eigen::VectorXd& level,
+                               Eigen::Index output) const;
+  [[nodiscard]] std::vector<std::vector<Ratio>> against_most() const;
   void look_at(std::size_t part, const std::vector<Ratio>& ratios, double largest,
                std::vector<Change>& changes) const;
 
   const FrequencyResponses& whole_;
   SensorWatchOptions options_;
   std::optional<FrequencyResponses> first_{};
+  Eigen::VectorXd level_of_first_{};  ///< per input
   std::vector<std::size_t> labels_{};
   std::vector<std::vector<Ratio>> parts_{};  ///< per part, per output
 };

@@ -3,9 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
 
 #include "hydrapod/base/error.hpp"
 #include "names.hpp"
+#include "search.hpp"
 
 namespace hydrapod::identification {
 
@@ -39,21 +43,143 @@ bool is_above_zero(const FrequencyResponses& r, std::size_t k) {
   return r.frequency[k] > lowest * r.frequency.back();
 }
 
-void leave_out_lines(FrequencyResponses& r) {
+/// Where an analyser has not measured: responses that are exactly 0 at some lines, not at all.
+/// Those that are calculated from records are not 0 so. What was rounded to 0 is a measurement:
+/// beside it are but a few of the steps that a table of so many digits has, or the response has no
+/// more.
+class ZeroLines {
+ public:
+  explicit ZeroLines(const FrequencyResponses& r)
+      : counts_(Eigen::MatrixXi::Zero(std::ssize(r.outputs), std::ssize(r.inputs))),
+        are_zero_(r.lines(), false) {
+    if (r.whole != nullptr || !r.excitation.empty()) return;
+    while (first_ < r.lines() && !is_above_zero(r, first_)) ++first_;
+    for (Index o = 0; o < counts_.rows(); ++o)
+      for (Index i = 0; i < counts_.cols(); ++i) look_at(r, o, i);
+  }
+
+  [[nodiscard]] bool are_there() const { return (counts_.array() > 0).any(); }
+  [[nodiscard]] bool at(std::size_t line) const { return are_zero_[line]; }
+  struct Entry {
+    Index output{}, input{};
+    int lines{};
+  };
+  /// The response that is 0 most often.
+  [[nodiscard]] Entry worst() const {
+    Entry entry;
+    entry.lines = counts_.maxCoeff(&entry.output, &entry.input);
+    return entry;
+  }
+
+ private:
+  /// The larger one of real and imaginary part.
+  static double size_of(const Complex& h) {
+    return std::max(std::abs(h.real()), std::abs(h.imag()));
+  }
+
+  void look_at(const FrequencyResponses& r, Index o, Index i) {
+    constexpr double few_steps = 4.0, coarse = 50.0;
+    double step = std::numeric_limits<double>::infinity(), largest = 0.0;
+    bool has_zero = false;
+    for (std::size_t k = first_; k < r.lines(); ++k) {
+      const Complex h = r.H[k](o, i);
+      has_zero = has_zero || h == 0.0;
+      for (const double part : {std::abs(h.real()), std::abs(h.imag())})
+        if (part > 0.0) step = std::min(step, part);
+      if (size_of(h) > largest) largest = size_of(h);
+    }
+    if (!has_zero || !(largest > coarse * step)) return;
+    const auto is_zero = [&](std::size_t k) { return r.H[k](o, i) == 0.0; };
+    for (std::size_t k = first_, end = k; k < r.lines(); k = end + 1) {
+      end = k;
+      while (end < r.lines() && is_zero(end)) ++end;  // k … end − 1 are 0
+      const bool large_before = k > first_ && !(size_of(r.H[k - 1](o, i)) <= few_steps * step),
+                 large_behind = end < r.lines() && !(size_of(r.H[end](o, i)) <= few_steps * step);
+      if (end == k || !(large_before || large_behind)) continue;
+      counts_(o, i) += static_cast<int>(end - k);
+      std::fill(are_zero_.begin() + static_cast<std::ptrdiff_t>(k),
+                are_zero_.begin() + static_cast<std::ptrdiff_t>(end), true);
+    }
+  }
+
+  Eigen::MatrixXi counts_;  ///< lines per response
+  std::vector<bool> are_zero_;
+  std::size_t first_{};
+};
+
+/// What stays must suffice.
+void require_lines_that_are_not_zero(const FrequencyResponses& r, const ZeroLines& zero,
+                                     std::size_t kept) {
+  if (!zero.are_there() || kept >= fewest_lines) return;
+  const auto worst = zero.worst();
+  throw base::ComputationError(fmt::format(
+      "responses are exactly 0, which is no measurement, at all but {} of {} frequencies (that of "
+      "{} to {} at {}); at least {} are needed: leave the channel out with --outputs, or export "
+      "all frequencies",
+      kept, r.lines(), r.outputs[static_cast<std::size_t>(worst.output)].name,
+      r.inputs[static_cast<std::size_t>(worst.input)].name, worst.lines, fewest_lines));
+}
+
+void leave_out_lines(const ZeroLines& zero, FrequencyResponses& r) {
   std::vector<std::size_t> kept;
-  std::int64_t broken = 0;
+  std::int64_t broken = 0, empty = 0;
   for (std::size_t k = 0; k < r.lines(); ++k) {
     if (!is_above_zero(r, k)) continue;
-    if (is_finite_at(r, k))
-      kept.push_back(k);
-    else
+    if (!is_finite_at(r, k))
       ++broken;
+    else if (zero.at(k))
+      ++empty;
+    else
+      kept.push_back(k);
   }
+  const auto total = static_cast<std::int64_t>(r.lines());
   if (broken > 0)
-    r.warnings.push_back({.kind = Kind::lines_not_finite,
-                          .count = broken,
-                          .total = static_cast<std::int64_t>(r.lines())});
+    r.warnings.push_back({.kind = Kind::lines_not_finite, .count = broken, .total = total});
+  require_lines_that_are_not_zero(r, zero, kept.size());
+  if (empty > 0) {
+    const auto worst = zero.worst();
+    r.warnings.push_back({.kind = Kind::lines_zero,
+                          .channel = r.outputs[static_cast<std::size_t>(worst.output)].name,
+                          .other = r.inputs[static_cast<std::size_t>(worst.input)].name,
+                          .count = empty,
+                          .total = total});
+  }
   if (kept.size() != r.lines()) r = lines_of(r, kept);
+}
+
+/// Behind half the sample rate a file with all lines of a transform has the conjugates of the lines
+/// before, in reverse: H(f_s − f) = H(f)*. [Hz] of that half; none: there are none. `from`: the
+/// line that the last one is the image of.
+std::optional<double> half_of_images(const FrequencyResponses& r, std::size_t from) {
+  constexpr double same = 1e-4;  // as few digits as a table may have
+  if (r.lines() < from + fewest_lines) return {};
+  const double rate = r.frequency[from] + r.frequency.back();
+  bool is_complex = false;
+  for (std::size_t k = from, image = r.lines() - 1; k < image; ++k, --image) {
+    const MatrixXcd &H = r.H[k], &other = r.H[image];
+    if (std::abs(r.frequency[k] + r.frequency[image] - rate) > same * rate ||
+        !((H - other.conjugate()).norm() <= same * H.norm()))
+      return {};
+    is_complex = is_complex || !H.imag().isZero(0.0);
+  }
+  return is_complex ? std::optional(0.5 * rate) : std::nullopt;
+}
+
+std::optional<double> half_of_images(const FrequencyResponses& r) {
+  if (r.whole != nullptr || r.shift != 0.0) return {};
+  const auto half = half_of_images(r, 0);
+  return half ? half : half_of_images(r, 1);  // from 0 Hz on, up to the sample rate or not
+}
+
+void leave_out_images(double half, FrequencyResponses& r) {
+  constexpr double same = 1.0 + 1e-6;
+  std::vector<std::size_t> kept;
+  for (std::size_t k = 0; k < r.lines() && r.frequency[k] <= half * same; ++k) kept.push_back(k);
+  r.warnings.push_back({.kind = Kind::two_sided,
+                        .value = half,
+                        .count = static_cast<std::int64_t>(r.lines() - kept.size()),
+                        .total = static_cast<std::int64_t>(r.lines())});
+  r = lines_of(r, kept);
 }
 
 /// Numbers of the rows of which one is not 0 at some line; of columns where `columns`.
@@ -127,18 +253,28 @@ FrequencyResponses lines_of(const FrequencyResponses& r, const std::vector<std::
   return some;
 }
 
+FrequencyResponses usable_responses(const FrequencyResponses& responses) {
+  return UsableResponses(responses).get();
+}
+
 UsableResponses::UsableResponses(const FrequencyResponses& all) : given_(all) {
-  const bool lines_hold = [&] {
-    for (std::size_t k = 0; k < all.lines(); ++k)
-      if (!is_above_zero(all, k) || !is_finite_at(all, k)) return false;
+  if (const auto half = half_of_images(all)) {
+    changed_ = all;
+    leave_out_images(*half, *changed_);
+  }
+  const auto& r = get();
+  const ZeroLines zero(r);
+  const bool lines_hold = !zero.are_there() && [&] {
+    for (std::size_t k = 0; k < r.lines(); ++k)
+      if (!is_above_zero(r, k) || !is_finite_at(r, k)) return false;
     return true;
   }();
   // outputs that half spectra refer to are alive
-  const bool all_alive = all.whole != nullptr || (living(all, false).size() == all.outputs.size() &&
-                                                  living(all, true).size() == all.inputs.size());
+  const bool all_alive = r.whole != nullptr || (living(r, false).size() == r.outputs.size() &&
+                                                living(r, true).size() == r.inputs.size());
   if (!lines_hold || !all_alive) {
-    changed_ = all;
-    if (!lines_hold) leave_out_lines(*changed_);
+    if (!changed_) changed_ = all;
+    if (!lines_hold) leave_out_lines(zero, *changed_);
     if (all.whole == nullptr) leave_out_dead_channels(*changed_);
   }
   require_size(get());

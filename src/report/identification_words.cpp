@@ -151,7 +151,9 @@ std::string sensor_changed_text(const data::ResponseWarning& w) {
       one_record ? fmt::format("from {:.4g} s to {:.4g} s", w.lowest, w.highest) : "of " + w.other,
       w.value < 0.0 ? "−" : "", std::abs(w.value),
       one_record ? "rest of the record" : "other records",
-      w.count > 1 ? fmt::format(" ({} of {} outputs changed)", w.count, w.total) : "");
+      w.count <= 1 ? ""
+                   : fmt::format(" ({} of {} outputs changed{})", w.count, w.total,
+                                 w.count == w.total ? ", or an input" : ""));
 }
 
 }  // namespace
@@ -298,6 +300,16 @@ std::string warning_text(const data::ResponseWarning& w) {
       return motion_input_text(w);
     case Kind::sensor_changed:
       return sensor_changed_text(w);
+    case Kind::lines_zero:
+      return fmt::format(
+          "at {} of {} frequencies a response is exactly 0, that of {} to {} most often, as "
+          "analysers write where they did not measure: these frequencies were left out",
+          w.count, w.total, w.channel, w.other);
+    case Kind::two_sided:
+      return fmt::format(
+          "the responses are two-sided: {} of {} frequencies, those above {:.4g} Hz, hold the "
+          "conjugates of the others in reverse and were left out",
+          w.count, w.total, w.value);
   }
   return {};
 }
@@ -349,6 +361,14 @@ std::string warning_text(const identification::ModeWarning& w) {
           "modes were looked for from {:.4g} Hz to {:.4g} Hz, and the responses have {} above, the "
           "largest at {:.4g} Hz: modes there may be missing; --to sets the band",
           w.from, w.to, w.count == 1 ? "a peak" : fmt::format("{} peaks", w.count), w.value);
+    case Kind::conjugated:
+      return fmt::format(
+          "the phases rise through the resonances: from {:.4g} Hz to {:.4g} Hz modes leave {:.2g} "
+          "% "
+          "of the responses unexplained, and {:.2g} % of the conjugated ones; the file follows the "
+          "convention e^(−iωt), or its cross spectra are formed the other way round: change the "
+          "sign of all imaginary parts, or of all phases",
+          w.from, w.to, 100.0 * w.share, 100.0 * w.value);
   }
   return {};
 }

@@ -44,9 +44,11 @@ inline constexpr std::array response_warning_words{"dead_output",
                                                    "short_record",
                                                    "feedback",
                                                    "motion_input",
-                                                   "sensor_changed"};
+                                                   "sensor_changed",
+                                                   "lines_zero",
+                                                   "two_sided"};
 static_assert(response_warning_words.size() ==
-              static_cast<std::size_t>(data::ResponseWarning::Kind::sensor_changed) + 1);
+              static_cast<std::size_t>(data::ResponseWarning::Kind::two_sided) + 1);
 
 template <class Fields>
 void describe(Fields& f, data::ResponseWarning& warning) {

@@ -15,6 +15,15 @@ void add_warning(const std::string& file, const std::string& text, Diagnostics& 
   warnings.push_back({.severity = base::Severity::warning, .file = file, .message = text});
 }
 
+void add_new_warnings(const std::string& file, const std::vector<data::ResponseWarning>& found,
+                      Diagnostics& warnings) {
+  for (const auto& warning : found) {
+    const std::string text = report::warning_text(warning);
+    if (std::ranges::find(warnings, text, &base::Diagnostic::message) == warnings.end())
+      add_warning(file, text, warnings);
+  }
+}
+
 void append(const Diagnostics& more, Diagnostics& all) {
   all.insert(all.end(), more.begin(), more.end());
 }

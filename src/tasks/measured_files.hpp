@@ -19,6 +19,10 @@ void add_warnings(const std::string& file, const std::vector<Warning>& found,
   for (const auto& warning : found) add_warning(file, report::warning_text(warning), warnings);
 }
 
+/// What was said of responses while modes were found in them, and is not said yet.
+void add_new_warnings(const std::string& file, const std::vector<data::ResponseWarning>& found,
+                      Diagnostics& warnings);
+
 void append(const Diagnostics& more, Diagnostics& all);
 
 /// Modes of what was measured as `measure` says. Responses of a record that is too short for any

@@ -94,6 +94,24 @@ std::optional<data::FrequencyResponses> averages_of(MeasureOptions options, cons
   }
 }
 
+/// Lines that hold no measurement are no targets either.
+void leave_out_unmeasured(const std::vector<data::ResponseWarning>& said,
+                          data::FrequencyResponses& responses) {
+  using Kind = data::ResponseWarning::Kind;
+  if (std::ranges::any_of(said, [](const auto& warning) {
+        return warning.kind == Kind::lines_zero || warning.kind == Kind::two_sided;
+      }))
+    responses = identification::usable_responses(responses);
+}
+
+/// Modes of conjugates are none of the machine.
+void refuse_conjugates(const std::string& path,
+                       const std::vector<identification::ModeWarning>& said) {
+  const auto at = std::ranges::find(said, identification::ModeWarning::Kind::conjugated,
+                                    &identification::ModeWarning::kind);
+  if (at != said.end()) base::refuse(path, report::warning_text(*at));
+}
+
 /// Targets of responses, by way of their modes. `options`: how they were measured, where that was
 /// done here.
 observation::Targets identified_targets(Measured measured, const MeasureOptions& options,
@@ -104,7 +122,9 @@ observation::Targets identified_targets(Measured measured, const MeasureOptions&
   const auto found = modes_of(measured, options, {}, [&](double share) {
     if (progress && progress(share)) throw base::ComputationError("interrupted");
   });
+  refuse_conjugates(path, found.warnings);
   append(measured.warnings, warnings);
+  add_new_warnings(path, found.responses.warnings, warnings);
   add_warnings(path, found.warnings, warnings);
   if (found.modes.empty())
     base::refuse(
@@ -113,10 +133,11 @@ observation::Targets identified_targets(Measured measured, const MeasureOptions&
         "shows details)");
   auto targets =
       observation::measured_modes(identification::modal_results(found), machine.file.machine, at);
-  const auto responses = measured.measurement.record == nullptr
-                             ? std::optional(std::move(measured.measurement.responses))
-                             : averages_of(options, path, progress, warnings);
+  auto responses = measured.measurement.record == nullptr
+                       ? std::optional(std::move(measured.measurement.responses))
+                       : averages_of(options, path, progress, warnings);
   if (!responses) return targets;
+  leave_out_unmeasured(found.responses.warnings, *responses);
   if (auto all = observation::measured_responses(*responses, machine.file.machine, at))
     targets.responses.push_back(std::move(*all));
   return targets;
@@ -218,6 +239,7 @@ observation::Targets read_one(const MeasuredFile& file, const Machine& machine,
     measured.header = report::record_origin_from_json(json, path);
     auto modes = report::identification_from_json(json, path);
     measured.measurement.responses.inputs = modes.responses.inputs;
+    refuse_conjugates(path, modes.warnings);
     add_warnings(path, modes.warnings, warnings);
     look_into(measured, at);
     return observation::measured_modes(identification::modal_results(modes), of, at);

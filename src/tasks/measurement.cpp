@@ -84,6 +84,23 @@ std::vector<data::PlacedSensor> chosen_sensors(const MeasureOptions& options,
   return some;
 }
 
+/// What is in volts, or in another unit for each sensor, makes no motion of the platform.
+void require_acceleration(const std::string& file, const data::RecordHeader& header,
+                          const std::string& sensor) {
+  const auto at = data::find_channel(header, sensor);
+  if (!at) return;  // said where channels are looked up
+  const std::string& unit = header.channels[*at].unit;
+  const bool stated = !unit.empty() && unit != "1";
+  if (stated && base::read_quantity("1 " + unit, "m/s^2").ok()) return;
+  base::refuse(file,
+               fmt::format("--accelerometers: {} {}; accepted are accelerations (m/s^2, g): state "
+                           "the unit in the file (a title such as \"{} [g]\"), and divide volts by "
+                           "the sensitivity of the sensor first",
+                           base::printable(sensor),
+                           stated ? "is in " + base::printable(unit, 30) : "has no unit",
+                           base::printable(sensor)));
+}
+
 /// Accelerometers as outputs, and what makes directions of the platform of them.
 void use_accelerometers(const MeasureOptions& options, const Measured& measured,
                         identification::MeasureOptions& estimate) {
@@ -95,6 +112,7 @@ void use_accelerometers(const MeasureOptions& options, const Measured& measured,
   const auto chosen = chosen_sensors(options, *measured.experiment());
   estimate.outputs.clear();
   for (const auto& sensor : chosen) {
+    require_acceleration(options.files.front(), *measured.header, sensor.name);
     estimate.outputs.push_back(sensor.name);
     sensors.push_back({X_BP * sensor.position, X_BP.R_BP * sensor.axis});
   }
@@ -429,6 +447,7 @@ Identified identify(const IdentifyOptions& options, const Progress& progress) {
       throw base::ComputationError("interrupted");
   });
   found.warnings = found.measured.warnings;
+  add_new_warnings(file, found.modes.responses.warnings, found.warnings);
   test_steadiness(options, progress, found);
   add_warnings(file, found.modes.warnings, found.warnings);
   if (found.modes.modes.empty()) return found;

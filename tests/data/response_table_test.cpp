@@ -179,6 +179,13 @@ TEST_F(ResponseTable, WithoutImaginaryPartsIsRefused) {
   EXPECT_EQ(read("Hz,re a/F,im a/F\n1,2,0\n2,3,-1\n").H[0](0, 0), 2.0);
 }
 
+TEST_F(ResponseTable, FrequenciesBelowZeroAreNamedTwoSided) {
+  const auto refused = refusal("Hz,re a/F,im a/F\n-2,1,-1\n-1,1,-1\n0,1,0\n1,1,1\n2,1,1\n");
+  EXPECT_THAT(refused.message, HasSubstr("the frequency is -2 Hz, below 0 as in two-sided "
+                                         "responses; expected are those from 0 Hz on alone"));
+  EXPECT_EQ(refused.line, 2U);
+}
+
 TEST_F(ResponseTable, PoundsAreForces) {
   const std::string path = written("Hz,re a/F [g/lb],im a/F [g/lb]\n1,2,1\n2,3,-1\n");
   const auto [all, notes] = data::read_frequency_responses(path);

@@ -64,6 +64,8 @@ TEST_F(RateOfVariables, IsInItsUnit) {
   EXPECT_DOUBLE_EQ(rate(), 2500.0);
   EXPECT_THAT(refusal(path(), 2.5),
               HasSubstr("fs: the file states 2500 Hz, but --rate says 2.5 Hz"));
+  write("fs", 2500.0, "samples/second");
+  EXPECT_DOUBLE_EQ(rate(), 2500.0);
   write("fs", 100.0, "1/s");
   EXPECT_DOUBLE_EQ(rate(), 100.0);
   write("dt", 5.0, "ms");
@@ -77,6 +79,50 @@ TEST_F(RateOfVariables, InAnotherUnitIsRefused) {
   write("dt", 5.0, "ticks");
   EXPECT_THAT(refusal_of([&] { rate(); }).message,
               HasSubstr("'dt' states the sampling in the unit \"ticks\"; accepted are s, ms"));
+}
+
+/// It is no step of time: the rate is stated otherwise.
+TEST_F(RateOfVariables, InAnotherUnitIsLeftAsideWhereThereIsAnother) {
+  const auto beside = [&](const char* name, double number, const char* unit) {
+    const double x[] = {1.0, -2.0, 4.0}, step = 0.5;
+    Hdf5File file(path());
+    file.write("x", H5T_NATIVE_DOUBLE, {3}, x);
+    file.write("step", H5T_NATIVE_DOUBLE, {}, &step);
+    file.attribute("step", "unit", std::string("mm"));
+    file.write(name, H5T_NATIVE_DOUBLE, {}, &number);
+    file.attribute(name, "unit", std::string(unit));
+  };
+  const auto aside =
+      testing::Contains(HasSubstr("'step' states the sampling in the unit \"mm\": left aside"));
+  beside("fs", 200.0, "Hz");
+  EXPECT_DOUBLE_EQ(rate(), 200.0);
+  EXPECT_THAT(messages(data::read_record(path()).notes), aside);
+  write("step", 0.5, "mm");
+  const auto [record, notes] = data::read_record(path(), {.sample_rate = 50.0});
+  EXPECT_DOUBLE_EQ(record.header.sample_rate, 50.0);
+  EXPECT_THAT(messages(notes), aside);
+}
+
+TEST(TimesOfVariables, InAUnitThatIsUnknownAreNamed) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "r.h5";
+  for (const auto& [unit, rate] : {std::pair{"ms", 100.0}, {"Sec", 0.1}, {"ticks", 0.1}}) {
+    {
+      const double x[] = {1.0, -2.0, 4.0}, t[] = {0.0, 10.0, 20.0};
+      Hdf5File file(path);
+      file.write("x", H5T_NATIVE_DOUBLE, {3}, x);
+      file.write("time", H5T_NATIVE_DOUBLE, {3}, t);
+      file.attribute("time", "unit", std::string(unit));
+    }
+    const auto [record, notes] = data::read_record(path);
+    EXPECT_NEAR(record.header.sample_rate, rate, 1e-9 * rate) << unit;
+    const auto named = testing::Contains(
+        HasSubstr("the unit \"ticks\" of the times 'time' is unknown: taken for s"));
+    if (unit == std::string("ticks"))
+      EXPECT_THAT(messages(notes), named);
+    else
+      EXPECT_THAT(messages(notes), testing::Not(named));
+  }
 }
 
 }  // namespace

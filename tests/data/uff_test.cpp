@@ -393,6 +393,8 @@ TEST(Uff, FrequenciesAreInTheUnitOfTheirLabel) {
                                    "taken for Hz"));
   EXPECT_THAT(refusal_of([] { read_responses(foreign_response("mm")); }).message,
               testing::HasSubstr("the unit of its abscissa is \"mm\"; accepted are Hz, kHz"));
+  EXPECT_THAT(refusal_of([] { read_responses(foreign_response("radian/sec.")); }).message,
+              testing::HasSubstr("the unit of its abscissa is \"radian/sec.\"; accepted are Hz"));
   EXPECT_THAT(refusal_of([] { read_responses(foreign_response("NONE", "N", "5", 17)); }).message,
               testing::HasSubstr("its abscissa is time (specific data type 17)"));
 }
@@ -416,6 +418,17 @@ TEST(Uff, RealFrequencyResponsesAreRefused) {
   EXPECT_THAT(refusal_of([] { read_responses(foreign_response("Hz", "N", "2")); }).message,
               testing::HasSubstr("is a frequency response (function type 4) of real numbers (data "
                                  "type 2), without phases; expected are complex ones"));
+}
+
+TEST(Uff, FrequencyResponsesWithoutImaginaryPartsAreRefused) {
+  std::string text = foreign_response("Hz");
+  const std::string values =
+      " -3.81956E+00 -3.56616E+00 -2.98987E+00  1.00000E+00  2.00000E+00  "
+      "3.00000E+00\n";
+  text.replace(text.find(values), values.size(),
+               " -3.81956E+00  0.00000E+00 -2.98987E+00  0.00000E+00  2.00000E+00  0.00000E+00\n");
+  EXPECT_THAT(refusal_of([&] { read_responses(text); }).message,
+              testing::HasSubstr("all imaginary parts are 0"));
 }
 
 TEST(Uff, PoundsOfAForceAreForces) {

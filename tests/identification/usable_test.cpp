@@ -2,7 +2,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <complex>
 #include <limits>
+#include <utility>
 
 #include "exact/modal_system.hpp"
 #include "found_pole.hpp"
@@ -92,6 +95,92 @@ TEST_P(UsableResponses, LinesThatAreNotFiniteAreLeftOutAndCounted) {
   ASSERT_THAT(kinds(found), testing::ElementsAre(Kind::lines_not_finite));
   EXPECT_EQ(found.responses.warnings[0].count, 3);
   EXPECT_EQ(found.responses.warnings[0].total, 380);
+}
+
+/// As analysers write outside of their band, and where the coherence is low.
+TEST_P(UsableResponses, LinesThatAreZeroAreLeftOutAndCounted) {
+  auto r = from_zero(GetParam());
+  for (std::size_t k = 0; k < r.lines(); ++k) {
+    if (r.frequency[k] < 1.5 || r.frequency[k] > 14.0) r.H[k].setZero();
+    if (r.frequency[k] > 8.0 && r.frequency[k] < 9.0) r.H[k](1, 0) = 0.0;  // an antiresonance
+  }
+  const auto found = identify_modes(r);
+  expect_three_modes(found);
+  EXPECT_GE(found.from, 1.5);
+  EXPECT_LE(found.to, 14.0);
+  ASSERT_THAT(kinds(found), testing::ElementsAre(Kind::lines_zero));
+  const auto& warning = found.responses.warnings[0];
+  // 1 … 35 (36 is at 1.501 Hz), 192 … 215, 336 … 379
+  EXPECT_EQ(warning.count, 35 + 24 + 44);
+  EXPECT_EQ(warning.total, 380);
+  EXPECT_EQ(warning.channel, "y2");
+  EXPECT_EQ(warning.other, "u1");
+}
+
+/// All lines of a transform, up to one spacing below the sample rate or up to it.
+TEST_P(UsableResponses, ConjugatesAboveHalfTheSampleRateAreLeftOut) {
+  for (const bool to_the_rate : {false, true}) {
+    auto r = from_zero(GetParam());
+    const std::size_t half = r.lines() - 1;
+    const double spacing = r.frequency[1];
+    for (std::size_t k = half - 1; k + 1 > (to_the_rate ? 0 : 1); --k) {
+      r.frequency.push_back(static_cast<double>(2 * half - k) * spacing);
+      r.H.push_back(Eigen::MatrixXcd(std::as_const(r.H)[k].conjugate()));
+      if (!GetParam()) continue;
+      r.noise.push_back(Eigen::MatrixXcd(std::as_const(r.noise)[k]));
+      r.input_factor.push_back(Eigen::MatrixXcd(std::as_const(r.input_factor)[k]));
+    }
+    const auto found = identify_modes(r);
+    expect_three_modes(found);
+    ASSERT_THAT(kinds(found), testing::ElementsAre(Kind::two_sided));
+    EXPECT_NEAR(found.responses.warnings[0].value, 379 * spacing, 1e-9);
+    EXPECT_EQ(found.responses.warnings[0].count, to_the_rate ? 379 : 378);
+  }
+}
+
+/// In a table of few digits small responses are 0.
+TEST_P(UsableResponses, WhatIsRoundedToZeroIsNoReasonToLeaveLinesOut) {
+  for (const double step : {1e-4, 5e-4}) {  // the largest is 0.027
+    auto r = from_zero(GetParam());
+    int zeros = 0;
+    for (auto& H : r.H)
+      for (auto& h : H.reshaped()) {
+        h = step * std::complex<double>(std::round(h.real() / step), std::round(h.imag() / step));
+        zeros += h == 0.0 ? 1 : 0;
+      }
+    EXPECT_GT(zeros, 20);
+    EXPECT_EQ(usable_responses(r).lines(), 379U) << step;
+  }
+}
+
+TEST_P(UsableResponses, AResponseThatIsZeroEverywhereIsNoReasonToLeaveLinesOut) {
+  auto r = from_zero(GetParam());
+  for (auto& H : r.H) H(1, 0) = 0.0;
+  EXPECT_THAT(kinds(identify_modes(r)), testing::IsEmpty());
+}
+
+/// As targets of a fit of parameters they are no measurements either.
+TEST_P(UsableResponses, AreGivenToOthers) {
+  auto r = from_zero(GetParam());
+  EXPECT_EQ(usable_responses(r).lines(), 379U);  // not at 0 Hz
+  for (std::size_t k = 100; k < 120; ++k) r.H[k](0, 1) = 0.0;
+  const auto usable = usable_responses(r);
+  EXPECT_EQ(usable.lines(), 359U);
+  EXPECT_EQ(usable.noise.size(), GetParam() ? 359U : 0U);
+  ASSERT_EQ(usable.warnings.size(), 1U);
+  EXPECT_EQ(usable.warnings[0].kind, Kind::lines_zero);
+}
+
+TEST_P(UsableResponses, TooFewLinesThatAreNotZeroAreSaid) {
+  auto r = from_zero(GetParam());
+  for (std::size_t k = 10; k < r.lines(); ++k) r.H[k](2, 1) = 0.0;
+  try {
+    identify_modes(r);
+    FAIL() << "not refused";
+  } catch (const base::ComputationError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("at all but 9 of 380 frequencies (that of y3 to "
+                                                 "u2 at 370); at least 16 are needed"));
+  }
 }
 
 TEST_P(UsableResponses, ADeadOutputIsLeftOutAndNamed) {

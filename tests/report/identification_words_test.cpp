@@ -76,7 +76,9 @@ std::vector<data::ResponseWarning> response_warnings() {
            .other = "p2.csv",
            .value = -1.0,
            .count = 1,
-           .total = 3}};
+           .total = 3},
+          {.kind = Kind::lines_zero, .channel = "a1", .other = "F", .count = 120, .total = 800},
+          {.kind = Kind::two_sided, .value = 512.0, .count = 1023, .total = 2048}};
 }
 
 std::vector<identification::ModeWarning> mode_warnings() {
@@ -106,7 +108,8 @@ std::vector<identification::ModeWarning> mode_warnings() {
            .to = 0.0575,
            .count = 2,
            .total = 9},
-          {.kind = Kind::peaks_above, .value = 131.23, .from = 4.0, .to = 110.25, .count = 1}};
+          {.kind = Kind::peaks_above, .value = 131.23, .from = 4.0, .to = 110.25, .count = 1},
+          {.kind = Kind::conjugated, .value = 0.021, .from = 1.2, .to = 15.8, .share = 0.93}};
 }
 
 /// Every kind has its example, and each stands word for word in docs/howto/identify.md.
@@ -134,6 +137,19 @@ TEST(IdentificationWords, LimitsOfAClippedChannelHaveTheDigitsThatTellThemApart)
                                       .lowest = 2.2351234,
                                       .highest = 2.2355};
   EXPECT_THAT(warning_text(warning), HasSubstr("are cut off at 2.2351234 or 2.2355: the channel"));
+}
+
+TEST(IdentificationWords, WhereAllOutputsChangedAnInputMayHave) {
+  data::ResponseWarning warning{.kind = data::ResponseWarning::Kind::sensor_changed,
+                                .channel = "d2",
+                                .other = "p2.csv",
+                                .value = -1.0,
+                                .count = 2,
+                                .total = 3};
+  EXPECT_THAT(warning_text(warning), testing::EndsWith("wrong (2 of 3 outputs changed)"));
+  warning.count = 3;
+  EXPECT_THAT(warning_text(warning),
+              testing::EndsWith("wrong (3 of 3 outputs changed, or an input)"));
 }
 
 TEST(IdentificationWords, OneGapIsNotCounted) {

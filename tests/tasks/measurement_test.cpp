@@ -3,6 +3,7 @@
 
 #include "hydrapod/tasks/measurement.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -85,6 +86,33 @@ TEST(Measured, AccelerometersAreTurnedAsTheRecordedPoseSays) {
   ASSERT_GT(responses.lines(), 10U);
   for (const auto& H : responses.H)
     EXPECT_LT((H.col(0) - expected.cast<std::complex<double>>()).norm(), 1e-9 * expected.norm());
+}
+
+/// Volts of sensors of other sensitivities would make motions that nobody made.
+TEST(Measured, AccelerometersInOtherUnitsAreRefused) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "run.h5";
+  const auto with_unit = [&](const char* unit) {
+    auto record =
+        accelerated({0.17, -0.29, 0.23}, {1.3e-4, -0.7e-4, 2.1e-4}, {0.4e-4, 0.0, 0.1e-4});
+    record.header.channels[3].unit = unit;  // of a2
+    data::write_record(path, record, data::RecordFormat::hdf5);
+    return tasks::MeasureOptions{.files = {path}, .accelerometers = true};
+  };
+  for (const auto& [unit, said] : {std::pair{"V", "a2 is in V; accepted are"},
+                                   {"m/s", "a2 is in m/s; accepted are"},
+                                   {"rad/s^2", "a2 is in rad/s^2; accepted are"},
+                                   {"", "a2 has no unit; accepted are"}}) {
+    try {
+      tasks::frf(with_unit(unit));
+      FAIL() << unit << " is not refused";
+    } catch (const base::InputError& error) {
+      EXPECT_THAT(error.what(), testing::HasSubstr(said));
+      EXPECT_THAT(error.what(), testing::HasSubstr("accelerations (m/s^2, g)"));
+      EXPECT_THAT(error.what(), testing::HasSubstr("run.h5"));
+    }
+  }
+  EXPECT_EQ(tasks::frf(with_unit("m s^-2")).responses().outputs.size(), 6U);
 }
 
 /// The largest response is that which moves the output most: |H|² times the density of the input.

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <tuple>
 
 #include "exact/modal_system.hpp"
 #include "hydrapod/base/error.hpp"
@@ -80,6 +81,21 @@ TEST_F(SensorChanged, BetweenTwoRecordsSignAndGainAreNamed) {
   }
 }
 
+/// A record at a lower level counts by its own.
+TEST_F(SensorChanged, BetweenRecordsOfOtherLevelsIsNamed) {
+  auto quiet = sound_record(2);
+  quiet.samples *= 0.4;
+  EXPECT_TRUE(
+      changed_in(identified({written("p1.h5", sound_record(1)), written("p2.h5", quiet)})).empty());
+  quiet.samples.col(2) *= -1.0;
+  const auto changed =
+      changed_in(identified({written("p1.h5", sound_record(1)), written("p2.h5", quiet)}));
+  ASSERT_EQ(changed.size(), 1U);
+  EXPECT_EQ(changed[0].channel, "d2");
+  EXPECT_EQ(changed[0].other, "p2.h5");
+  EXPECT_NEAR(changed[0].value, -1.0, 0.03);
+}
+
 /// Of three records the one that differs is named, also where it is the first.
 TEST_F(SensorChanged, TheRecordThatDiffersFromMostIsNamed) {
   for (int wrong = 0; wrong < 3; ++wrong) {
@@ -112,6 +128,18 @@ TEST_F(SensorChanged, WithinARecordItsTimeIsNamed) {
   }));
 }
 
+/// The part within which it changed is like neither side, and is no measure for them.
+TEST_F(SensorChanged, WithinAPartOfARecordTheFactorIsThatOfWholeParts) {
+  auto record = sound_record(5, three_masses(), 100000);
+  record.samples.col(1).tail(60000) *= -1.0;
+  const auto changed = changed_in(identified({written("run.h5", record)}));
+  ASSERT_EQ(changed.size(), 1U);
+  EXPECT_EQ(changed[0].channel, "d1");
+  EXPECT_NEAR(changed[0].value, -1.0, 0.05);
+  EXPECT_EQ(changed[0].lowest, 0.0);
+  EXPECT_NEAR(changed[0].highest, 416.7, 25.0);
+}
+
 TEST_F(SensorChanged, SoundRecordsAreNotAccused) {
   for (std::uint64_t seed = 1; seed <= 30; ++seed) {
     const auto found =
@@ -136,7 +164,7 @@ TEST_F(SensorChanged, OtherUnitsAreRefused) {
   auto other = sound_record(2);
   other.header.channels[2].unit = "m/s^2";
   try {
-    identified({written("p1.h5", sound_record(1)), written("p2.h5", other)});
+    std::ignore = identified({written("p1.h5", sound_record(1)), written("p2.h5", other)});
     FAIL() << "not refused";
   } catch (const base::InputError& error) {
     EXPECT_THAT(error.what(), HasSubstr("d2 is in m/s^2 and in"));

@@ -170,11 +170,15 @@ struct ResponseWarning {
     short_record,    ///< modes are those of the record in one piece: it has `value` [s], `count`
                      ///< blocks of `share` [s] side by side, and averages need `total`
     feedback,  ///< inputs follow outputs: these explain `share` of what the inputs' past does not
-    motion_input,   ///< `count` of `total` inputs, the first `channel`, are motions that were
-                    ///< measured: poles are those of the machine with these held
-    sensor_changed  ///< in a record, the file `other`, or from `lowest` to `highest` [s] of the
-                    ///< only one, the output `channel` is `value` times what it is in the others;
-                    ///< so are `count` of `total` outputs, each by its own factor
+    motion_input,    ///< `count` of `total` inputs, the first `channel`, are motions that were
+                     ///< measured: poles are those of the machine with these held
+    sensor_changed,  ///< in a record, the file `other`, or from `lowest` to `highest` [s] of the
+                     ///< only one, the output `channel` is `value` times what it is in the others;
+                     ///< so are `count` of `total` outputs, each by its own factor
+    lines_zero,      ///< at count, of total, a response is exactly 0, that of `channel` to `other`
+                     ///< most often: these were left out
+    two_sided  ///< count, of total, lines above `value` [Hz], half the sample rate, are conjugates
+               ///< of those below in reverse: left out
   };
   Kind kind{};
   std::string channel{}, other{};

@@ -316,7 +316,8 @@ struct IdentifiedMode {
   /// Share of the residual around its frequency that noise explains: 1/Unexplained::level of the
   /// worst response there, at most 1 − Unexplained::smooth, and where the misfit of the whole is a
   /// warning, at most largest_misfit/misfit; 1 where all is noise. Where the excitation is weak, at
-  /// most F by what is needed; where sensors changed, at most the share of those that did not.
+  /// most F by what is needed; where sensors changed, at most the share of those that did not; 0 of
+  /// conjugates.
   double explained{1.0};
   /// ζ ω over ζ ω and the deviation of ω between parts of the record; 1: it does not wander, or
   /// that was not asked.
@@ -362,8 +363,9 @@ struct ModeWarning {
                    ///< its damping is higher by `share` than the mean of that of the parts
     short_blocks,  ///< `count` of `total` modes; value: [s] of a block; the sharpest one: `from`
                    ///< its frequency, `to` its half-power bandwidth [Hz]
-    peaks_above    ///< `count` peaks of the responses, the largest at value [Hz], above the band
+    peaks_above,   ///< `count` peaks of the responses, the largest at value [Hz], above the band
                    ///< `from` … `to` that modes were found in
+    conjugated     ///< modes leave `share` of the responses (RMS), and `value` of their conjugates
   };
   Kind kind{};
   double value{};

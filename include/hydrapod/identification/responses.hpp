@@ -373,6 +373,10 @@ struct Measurement {
   std::shared_ptr<const ShortRecord> record{};  ///< of records with few blocks, for modes
 };
 
+/// What of responses identify_modes() uses: without lines and channels that hold no measurement,
+/// with warnings that say so. Throws base::ComputationError where nothing is left.
+FrequencyResponses usable_responses(const FrequencyResponses& responses);
+
 /// Modes of responses are those of the machine where inputs are forces or commands. Measured
 /// motions for inputs (by their units; their role is neither excitation nor drive) hold these
 /// motions: where outputs are motions too, a warning `motion_input`; where all outputs are forces,
