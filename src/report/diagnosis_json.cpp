@@ -175,6 +175,7 @@ void describe(Fields& f, RemedyPoint& p) {
   f("stiffness_N_m", p.stiffness);
   f.scaled("frequency_hz", p.omega, two_pi);
   f("drop", p.drop);
+  f.optional("softest_N_m", p.softest);
 }
 
 template <class Fields>
@@ -366,7 +367,8 @@ void describe_case(Fields& f, CaseFile& file) {
   static constexpr std::array machines{"nominal", "fitted"};
   f("pose", file.pose);
   f.word("computed_machine", file.fitted, machines);
-  f("nominal_sleeve_N_m", file.nominal_sleeve);
+  f("nominal_sleeve_N_m", file.nominal_sleeves.stiffest);
+  f.optional("softest_nominal_sleeve_N_m", file.nominal_sleeves.softest);
   f("attribution", file.drops);
   if (file.remedy)
     f.object("remedy", [&](auto& inner) { describe_remedy(inner, *file.remedy, file.goal); });

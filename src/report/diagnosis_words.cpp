@@ -253,6 +253,25 @@ std::string amount_text(double value, double deviation, const std::string& unit)
   return fmt::format("{:.{}f} ± {:.{}f}{}", shown, decimals, spread, decimals, name);
 }
 
+std::string range_text(double least, double greatest, const std::string& unit) {
+  const auto from = amount_text(least, 0.0, unit), to = amount_text(greatest, 0.0, unit);
+  return from == to ? from : from + " to " + to;
+}
+
+std::string sleeves_text(const RemedyPoint& point) {
+  return range_text(point.softest.value_or(point.stiffness), point.stiffness, "N/m");
+}
+
+namespace {
+
+/// What the file states: one value, or those of legs that differ.
+std::string nominal_text(const calibration::FittedParameter& p) {
+  const auto [least, greatest] = p.stated.value_or(std::array{p.start, p.start});
+  return range_text(least, greatest, p.unit);
+}
+
+}  // namespace
+
 std::vector<std::string> parameter_words(const Hypothesis& e) {
   using calibration::Verdict;
   std::vector<std::string> words;
@@ -265,8 +284,7 @@ std::vector<std::string> parameter_words(const Hypothesis& e) {
                     : open ? ", not determined"
                            : "");
     // with overrides the search began elsewhere than at the file's value
-    const std::string nominal =
-        e.from_nominal ? fmt::format(" (nominal {})", amount_text(p.start, 0.0, p.unit)) : "";
+    const std::string nominal = e.from_nominal ? fmt::format(" (nominal {})", nominal_text(p)) : "";
     // what a share of air does to the oil depends on how much it is compressed
     const bool air = e.air_pressure && p.paths.front().ends_with("air.fraction");
     words.push_back(

@@ -98,6 +98,9 @@ TEST(DiagnoseLegsThatDiffer, FindsWhatIsCommonToLegsWithValuesOfTheirOwn) {
   const auto& found = sleeves->fit.parameters[0];
   EXPECT_EQ(found.paths.size(), 6U);
   EXPECT_NEAR(found.value, 1.23e6, 4.0 * found.deviation);
+  EXPECT_THAT(report::parameter_words(*sleeves),
+              testing::ElementsAre(testing::HasSubstr("(nominal 840.1 kN/m to 840.6 kN/m)")));
+  expect_round_trip_of({.diagnosis = d});
 }
 
 /// Who calculates with rigid legs learns what their sleeves are.

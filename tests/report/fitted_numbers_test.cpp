@@ -22,6 +22,7 @@ calibration::FittedParameter parameter(double first) {
           .start = first + 0.01,
           .lower = first + 0.02,
           .upper = first + 0.03,
+          .stated = std::array{first + 0.031, first + 0.032},
           .value = first + 0.04,
           .deviation = first + 0.05,
           .interval_low = first + 0.06,
@@ -33,6 +34,7 @@ calibration::FittedParameter parameter(double first) {
 
 Json parameter_json(double first, bool whole) {
   Json json{{"start", first + 0.01},
+            {"nominal_range", {first + 0.031, first + 0.032}},
             {"value", first + 0.04},
             {"deviation", first + 0.05},
             {"interval_95", {first + 0.06, first + 0.07}}};
@@ -291,7 +293,8 @@ TEST(NumbersInJson, OfADiagnosis) {
 
 TEST(NumbersInJson, OfAttributionAndRemedy) {
   using namespace diagnosis;
-  CaseFile file{.fitted = true, .nominal_sleeve = 7.3, .pose = "neutral"};
+  CaseFile file{
+      .fitted = true, .nominal_sleeves = {.stiffest = 7.3, .softest = 7.2}, .pose = "neutral"};
   AttributedDrop drop;
   drop.resonance = {
       .direction = "ry", .omega_rigid = two_pi * 2.2, .omega = two_pi * 1.9, .mac = 0.87};
@@ -304,13 +307,15 @@ TEST(NumbersInJson, OfAttributionAndRemedy) {
     return RemedyPoint{.factor = first + 0.1,
                        .stiffness = first + 0.2,
                        .omega = two_pi * (first + 0.3),
-                       .drop = first + 0.4};
+                       .drop = first + 0.4,
+                       .softest = first + 0.15};
   };
   const auto point_json = [](double first) {
     return Json{{"factor", first + 0.1},
                 {"stiffness_N_m", first + 0.2},
                 {"frequency_hz", first + 0.3},
-                {"drop", first + 0.4}};
+                {"drop", first + 0.4},
+                {"softest_N_m", first + 0.15}};
   };
   remedy.today = point(1.0);
   remedy.needed = point(2.0);
@@ -325,6 +330,7 @@ TEST(NumbersInJson, OfAttributionAndRemedy) {
   expect_numbers(
       report::diagnosis_json(file),
       {{"nominal_sleeve_N_m", 7.3},
+       {"softest_nominal_sleeve_N_m", 7.2},
        {"attribution",
         Json::array(
             {{{"rigid_hz", 2.2},

@@ -391,7 +391,9 @@ export interface Hypothesis {
 
 interface RemedyPoint {
   factor: number;
+  /** Of the stiffest leg; `softest_N_m` of the softest where legs differ. */
   stiffness_N_m: number;
+  softest_N_m?: number;
   frequency_hz: number;
   drop: number;
 }

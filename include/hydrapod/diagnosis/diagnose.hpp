@@ -384,7 +384,16 @@ struct RemedyPoint {
   double stiffness{};  ///< of the stiffest leg's sleeve [N/m]
   double omega{};      ///< lowest first resonance over poses and directions asked for [rad/s]
   double drop{};       ///< largest drop
+  std::optional<double> softest{};  ///< as `stiffness`, of the softest leg where legs differ [N/m]
 };
+
+/// Stiffness of the guide sleeves [N/m]: that of the stiffest leg, and where legs differ that of
+/// the softest.
+struct SleeveRange {
+  double stiffest{};
+  std::optional<double> softest{};
+};
+SleeveRange sleeves_of(const model::Machine& machine);
 
 enum class RemedyStatus {
   found,
@@ -425,9 +434,9 @@ std::vector<model::NamedPose> workspace_poses(const model::Machine& machine);
 /// it.
 struct CaseFile {
   std::optional<Diagnosis> diagnosis{};
-  model::Machine machine{};  ///< the one that attribution and remedy are of
-  bool fitted{};             ///< it is the best hypothesis, not the nominal machine
-  double nominal_sleeve{};   ///< of the stiffest leg of the nominal machine [N/m]
+  model::Machine machine{};       ///< the one that attribution and remedy are of
+  bool fitted{};                  ///< it is the best hypothesis, not the nominal machine
+  SleeveRange nominal_sleeves{};  ///< of the nominal machine
   dynamics::ModelKind kind{};
   std::string pose{};  ///< of the attribution
   std::vector<AttributedDrop> drops{};

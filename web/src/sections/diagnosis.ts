@@ -202,7 +202,9 @@ function curve(remedy: Remedy, machine: string): SVGSVGElement {
   const path = points
     .map((p, k) => `${k === 0 ? 'M' : 'L'}${px(p.stiffness_N_m).toFixed(2)} ${py(y(p)).toFixed(2)}`)
     .join('');
-  const label = `${remedy.goal.words}: ${machine} ${plain(remedy.present.stiffness_N_m)} N/m, required ${plain(remedy.required.stiffness_N_m)} N/m`;
+  const stiffness = (p: Remedy['present']) =>
+    `${p.softest_N_m === undefined ? '' : `${plain(p.softest_N_m)} to `}${plain(p.stiffness_N_m)} N/m`;
+  const label = `${remedy.goal.words}: ${machine} ${stiffness(remedy.present)}, required ${stiffness(remedy.required)}`;
   const mark = (p: Remedy['present'], r: number, kind: string, name: string) =>
     svg('circle', { cx: px(p.stiffness_N_m), cy: py(y(p)), r, class: kind, 'data-mark': name });
   return svg(
