@@ -130,7 +130,8 @@ Cause entrained_air(const model::MachineFile& file) {
   if (!cylinder.air)
     air.changes = {change(file, "legs.oil_spring.cylinder.air.pressure", usual_pressure),
                    change(file, path, fraction)};
-  air.free = {{.paths = {path}, .start = fraction, .lower = least, .upper = most}};
+  air.free = {
+      {.paths = {path}, .start = fraction, .lower = least, .upper = std::max(most, fraction)}};
   return air;
 }
 
@@ -314,7 +315,10 @@ void add_oil_lines(const model::MachineFile& file, std::vector<Cause>& all) {
     const double start = std::max(stated, 10.0 * least * mass);
     Cause cause{Cause::Kind::oil_lines, leg};
     if (start != stated) cause.changes = {change(file, path, start)};
-    cause.free = {{.paths = {path}, .start = start, .lower = least * mass, .upper = most * mass}};
+    cause.free = {{.paths = {path},
+                   .start = start,
+                   .lower = least * mass,
+                   .upper = std::max(most * mass, start)}};
     all.push_back(cause);
   }
 }

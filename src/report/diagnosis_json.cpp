@@ -278,6 +278,16 @@ void describe_hypothesis(Fields& f, Hypothesis& e, std::size_t index, Diagnosis&
 }
 
 template <class Fields>
+void describe_untested(Fields& f, Untested& untested, Diagnosis& d) {
+  std::vector<Cause> causes;
+  for (const auto k : untested.causes) causes.push_back(d.causes[k]);
+  describe_each(f, "causes", causes, [](auto& item, Cause& cause) { describe_cause(item, cause); });
+  f("error", untested.error);
+  if constexpr (Fields::reads)
+    for (const auto& cause : causes) untested.causes.push_back(index_of(cause, d.causes));
+}
+
+template <class Fields>
 void describe_lines(Fields& f, observation::ResponseTarget& response) {
   std::vector<double> hertz;
   for (const auto& s : response.s) hertz.push_back(s.imag() / two_pi);
@@ -334,6 +344,9 @@ void describe_diagnosis(Fields& f, Diagnosis& d) {
   }
   f.list("hypotheses", d.hypotheses.size(),
          [&](auto& item, std::size_t k) { describe_hypothesis(item, d.hypotheses[k], k, d); });
+  if (!Fields::reads || f.has("untested"))
+    describe_each(f, "untested", d.untested,
+                  [&](auto& item, auto& one) { describe_untested(item, one, d); });
   describe_each(f, "discriminators", d.discriminators,
                 [&](auto& item, auto& x) { describe_discriminator(item, x, d); });
   f("objections", d.objections);

@@ -403,8 +403,33 @@ std::vector<std::string> direction_warnings(const Diagnosis& d) {
 
 }  // namespace
 
+namespace {
+
+/// One sentence for all causes that were not tested for the same reason. Pairs are in JSON alone.
+std::vector<std::string> untested_words(const Diagnosis& d) {
+  constexpr std::size_t shown = 6;
+  std::vector<std::pair<std::string, std::vector<std::string>>> by_error;
+  for (const auto& [causes, error] : d.untested) {
+    if (causes.size() > 1) continue;
+    auto group = std::ranges::find(by_error, error, [](const auto& one) { return one.first; });
+    if (group == by_error.end()) group = by_error.insert(group, {error, {}});
+    group->second.push_back(hypothesis_name(d, {.causes = causes}));
+  }
+  std::vector<std::string> words;
+  for (auto& [error, names] : by_error) {
+    const std::size_t more = names.size() > shown ? names.size() - shown : 0;
+    names.resize(names.size() - more);
+    words.push_back(fmt::format("not tested: {}{}: {}", fmt::join(names, ", "),
+                                more > 0 ? fmt::format(" and {} more", more) : "", error));
+  }
+  return words;
+}
+
+}  // namespace
+
 std::vector<std::string> note_words(const Diagnosis& d) {
   auto words = direction_warnings(d);
+  std::ranges::copy(untested_words(d), std::back_inserter(words));
   if (!d.substitution) return words;
   const auto& [measured, error] = *d.substitution;
   words.push_back(fmt::format(

@@ -65,6 +65,25 @@ TEST(Diagnose, BlamesNothingWhereNothingIsWrong) {
   EXPECT_EQ(d.scatter, 1.0);
 }
 
+/// Rigid legs have no sleeves that fold. With piston rings they have, at every start.
+TEST(Diagnose, ListsTheCausesThatWereNotTested) {
+  const auto file =
+      test::machine_file(test::read_text(test::source_file("models/heavy-platform.toml")),
+                         {"legs.guide_sleeve.stiffness=1 kN/m"});
+  test::Random random(89);
+  const auto targets = test::noisy_modes(file.machine, {"neutral"}, ModelKind::rigid, {}, random);
+  const auto d = diagnose(file, targets, ModelKind::rigid, file.machine.poses);
+  const std::string rings = "piston rings of all legs";
+  EXPECT_EQ(test::find(d, rings), nullptr);
+  ASSERT_EQ(d.untested.size(), 1U) << "no pairs with a cause that cannot be tested alone";
+  EXPECT_EQ(report::hypothesis_name(d, {.causes = d.untested[0].causes}), rings);
+  const std::string words = rings + ": the machine has no modes with any of the starting values";
+  EXPECT_THAT(report::note_words(d), testing::Contains("not tested: " + words));
+  EXPECT_THAT(report::summary({.diagnosis = d}), testing::Contains("Not tested: " + words + "."));
+  test::expect_round_trip_of({.diagnosis = d});
+  for (const auto& e : diagnosis_of(measured({})).untested) ADD_FAILURE() << e.error;
+}
+
 /// A file that states its soft sleeves explains the drop by itself.
 TEST(Diagnose, SaysThatAMachineIsAsStated) {
   const auto d =

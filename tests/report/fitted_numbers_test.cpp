@@ -211,6 +211,7 @@ diagnosis::Diagnosis diagnosed() {
   for (const auto kind :
        {Kind::resonances, Kind::frequency, Kind::shape, Kind::drives, Kind::forces, Kind::value})
     d.hypotheses[0].wrong.push_back(contradiction(kind));
+  d.untested = {{.causes = {1}, .error = "no modes"}};
   d.discriminators = {{.other = 1,
                        .pose = "low",
                        .direction = 5,
@@ -260,7 +261,8 @@ TEST(NumbersInJson, OfADiagnosis) {
       hertz({{"missed", 0.54}}),
       hertz({{"difference_hz", 0.52}, {"value", 5.5}, {"deviation", 0.56}})};
   expect_numbers(json,
-                 {{"nominal_sleeve_N_m", 0.0},
+                 {{"untested", Json::array({{{"causes", Json::array({{{"leg", 5}}})}}})},
+                  {"nominal_sleeve_N_m", 0.0},
                   {"response_lines", Json::array({{{"frequency_hz", {7.1, 7.2}}, {"values", 0}}})},
                   {"measured_values", 29},
                   {"raw_reduced_misfit", 3.0 * 3.0 + 4.0 * 4.0},

@@ -286,6 +286,12 @@ struct Substitution {
   std::string error{};  ///< of the nominal machine with its hydraulics; empty: too few modes
 };
 
+/// Causes that were not tested: no machine with modes, or no plant, has their numbers.
+struct Untested {
+  std::vector<std::size_t> causes{};  ///< indices into Diagnosis::causes; one, or a pair
+  std::string error{};
+};
+
 /// A measured mode, and where the best hypothesis says that it comes from.
 struct MeasuredMode {
   std::string pose{};
@@ -321,6 +327,8 @@ struct Diagnosis {
   std::optional<Substitution> substitution{};
   std::vector<Cause> causes{};
   std::vector<Hypothesis> hypotheses{};  ///< best first
+  /// Single causes, and pairs of causes each of which was tested alone.
+  std::vector<Untested> untested{};
   std::vector<std::size_t>
       equivalent{};  ///< those that the data cannot tell from the best, it first
   std::vector<Discriminator> discriminators{};
