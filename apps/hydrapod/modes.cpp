@@ -304,7 +304,7 @@ void run_at_poses(const Arguments& arguments, const tasks::Machine& machine,
   write_output(arguments.output,
                format == 0
                    ? fmt::format("{}, {} model\n{}\n", bold(machine.file.machine.name, style),
-                                 dynamics::name(machine.kind), state_line(machine.file)) +
+                                 dynamics::name(machine.kind), mechanics_state_line(machine.file)) +
                          poses_table(modes, style)
                : format == 1 ? json_text(
                                    [&] {

@@ -135,8 +135,13 @@ std::string state_text(const model::MachineFile& file) {
   if (model::leg_type(file.machine) == model::LegType::strut)
     text += "; the legs are plain struts: results are of the rigid-leg model";
   if (model::leg_type(file.machine) == model::LegType::screw)
-    text += "; the legs are electric cylinders: mechanics with locked motors";
+    text += "; the legs are electric cylinders";
   return text;
+}
+
+std::string mechanics_state_text(const model::MachineFile& file) {
+  const bool screws = model::leg_type(file.machine) == model::LegType::screw;
+  return state_text(file) + (screws ? ": mechanics with locked motors" : "");
 }
 
 Json machine_json(const model::MachineFile& file, const std::string& path) {

@@ -16,6 +16,7 @@ namespace hydrapod {
 namespace {
 
 using test::run_hydrapod;
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -132,11 +133,14 @@ TEST_F(OtherLegs, ModesOfScrewsAreOfHeldOrOfFreeMotors) {
   EXPECT_THAT(free.out, HasSubstr("with free motors"));
   EXPECT_THAT(free.out, HasSubstr("motors"));
   EXPECT_THAT(free.out, Not(HasSubstr("held at")));
+  EXPECT_THAT(free.out, Not(HasSubstr("locked motors")));
   const auto closed = run({"modes", "screws.toml", "--system"});
   EXPECT_EQ(closed.exit_code, 0) << closed.err;
   EXPECT_THAT(closed.out, HasSubstr("with electric drives and controller"));
   EXPECT_THAT(closed.out, HasSubstr("motors by friction and speed loops"));
   EXPECT_THAT(closed.out, HasSubstr("stable: "));
+  EXPECT_THAT(closed.out, AllOf(HasSubstr("the legs are electric cylinders\n"),
+                                Not(HasSubstr("locked motors"))));
 }
 
 TEST_F(OtherLegs, ScrewsAreSimulatedWithTheirDrives) {
@@ -145,6 +149,7 @@ TEST_F(OtherLegs, ScrewsAreSimulatedWithTheirDrives) {
   EXPECT_EQ(step.exit_code, 0) << step.err;
   EXPECT_THAT(step.out, HasSubstr("peak torque N m"));
   EXPECT_THAT(step.out, HasSubstr("no feedback"));
+  EXPECT_THAT(step.out, Not(HasSubstr("locked motors")));
   EXPECT_THAT(step.out, HasSubstr("motors by friction and speed loops"));
   const auto record = test::read_text(folder_ / "step.csv");
   for (const char* channel : {"leg1.nut", "leg3.motor_speed", "leg6.torque", "leg2.screw_force"})

@@ -73,6 +73,8 @@ std::string gravity_text(const model::Machine& machine);
 /// Which machine the results are of: "nominal", "calibrated, with platform.mass=4 t"; of struts
 /// also which model they have.
 std::string state_text(const model::MachineFile& file);
+/// The same of results of mechanics alone: with electric cylinders their motors are locked.
+std::string mechanics_state_text(const model::MachineFile& file);
 
 /// A share without its % sign: "82"; "<1" for less than half a per cent.
 std::string percent_text(double share);
