@@ -68,6 +68,12 @@ TEST(Check, SaysWhatSimulationAssumes) {
                     HasSubstr("  legs.equivalent_cylinder: A_p = 6.99 cm^2 (a sixth of the supply "
                               "pressure carries the platform), e = 0.5, 0.158 l in both chambers"),
                     HasSubstr("  legs.valve.rated_flow: 21 l/min at full opening")));
+  // the area that carries the platform has chambers that are shorter than this stroke
+  const auto roomy = run_hydrapod(
+      {"check", published_model, "--set", "legs.stroke={ retracted = 0.4, length = 0.2 }", "--set",
+       "legs.equivalent_cylinder.bulk_modulus=0.3 GPa"});
+  EXPECT_THAT(roomy.out, AllOf(HasSubstr("A_p = 11.3 cm^2 (chambers as long as the stroke; "),
+                               Not(HasSubstr("supply pressure carries the platform"))));
   const auto json = json_of({"check", published_model, "--format", "json", "--set",
                              "leg.2.valve.rated_flow=30 l/min", "--set",
                              "legs.friction={ coulomb = 90, viscous = 0 }"});
