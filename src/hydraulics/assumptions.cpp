@@ -37,8 +37,7 @@ void assume_cylinder(const model::Machine& machine, const model::Leg& leg, const
       {"equivalent_cylinder",
        fmt::format("A_p = {:.3g} cm^2 ({}), e = {:.3g}, {:.3g} l in both chambers at mid stroke: "
                    "the given oil spring at {:.3g} GPa (Eq. 16)",
-                   1e4 * axis.area.piston,
-                   rule_text(equivalent_area(machine, leg).rule),
+                   1e4 * axis.area.piston, rule_text(equivalent_area(machine, leg).rule),
                    axis.area.ratio(), 1e3 * axis.volume.cap, 1e-9 * axis.oil.bulk_modulus)});
 }
 
