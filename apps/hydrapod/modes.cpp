@@ -246,7 +246,8 @@ std::string table_text(const tasks::Machine& machine, const modal::ModeTable& ta
     note = "\nthe change by --set is not shown: without it the file has no modes at this pose\n";
   }
   return heading(machine, style) + "\n" + mode_text(table, before ? &*before : nullptr, style) +
-         note + "\n" + report::answer_text(table);
+         style.detail(report::axial_energy_text(machine.file.machine)) + note + "\n" +
+         report::answer_text(table);
 }
 
 /// Those asked for; all of a file that has one are a mistake.

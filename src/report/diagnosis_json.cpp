@@ -130,6 +130,7 @@ void describe(Fields& f, MeasuredMode& m) {
             m.omega_rigid > 0.0 ? report::peak_height(m.rigid_mac, m.omega, m.omega_rigid) : 0.0);
   f.object("strain_energy", [&](auto& energy) {
     energy("oil", m.oil);
+    describe_axial_part(energy, m.leg_type);
     energy("guide_sleeve", m.guide_sleeves);
     energy("piston_ring", m.piston_rings);
     energy("base_mount", m.base);

@@ -88,14 +88,15 @@ void add_origins(const Diagnosis& d, std::vector<std::string>& words) {
   constexpr std::array origins{Origin{"guide sleeves", &MeasuredMode::guide_sleeves},
                                Origin{"piston rings", &MeasuredMode::piston_rings},
                                Origin{"base", &MeasuredMode::base},
+                               Origin{"modes of the payload", &MeasuredMode::payload},
                                Origin{"bending of rods and cases", &MeasuredMode::bending}};
   for (const auto& origin : origins) {
     std::vector<std::string> modes;
     for (const auto& mode : d.modes) {
       const double share = mode.*origin.share;
-      const double most =
-          std::max({mode.guide_sleeves, mode.piston_rings, mode.base, mode.bending});
-      if (share < main_part || share < most || mode.direction < 0) continue;
+      const bool is_most = std::ranges::all_of(
+          origins, [&](const Origin& other) { return share >= mode.*other.share; });
+      if (share < main_part || !is_most || mode.direction < 0) continue;
       const auto text =
           fmt::format("{} at {}", direction_name(mode.direction), frequency_text(mode.omega));
       if (std::ranges::count(modes, text) == 0) modes.push_back(text);

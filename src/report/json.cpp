@@ -192,11 +192,7 @@ void describe(Fields& f, modal::EnergyShares& energy) {
   f.derived("guide_sleeve", energy.guide_sleeve.sum());
   f.derived("piston_ring", energy.piston_ring.sum());
   f("preload", energy.preload);
-  // what `oil` is of where it is no oil
-  std::string axial{model::axial_part(energy.leg_type)};
-  f.unless(std::string("oil"), "axial", axial);
-  for (const auto type : {model::LegType::cylinder, model::LegType::strut, model::LegType::screw})
-    if (axial == model::axial_part(type)) energy.leg_type = type;
+  describe_axial_part(f, energy.leg_type);
   f.object("per_leg", [&](auto& leg) {
     leg("oil", energy.oil);
     leg("guide_sleeve", energy.guide_sleeve);

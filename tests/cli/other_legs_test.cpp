@@ -42,6 +42,9 @@ TEST_F(OtherLegs, CheckOfStrutsHasNeitherOilNorStroke) {
   EXPECT_THAT(result.out, HasSubstr("Sound at all 2 poses."));
   for (const char* word : {"oil", "piston", "stroke", "hydraulics", "column", "Buckling"})
     EXPECT_THAT(result.out, Not(HasSubstr(word)));
+  const auto json = nlohmann::json::parse(run({"check", "struts.toml", "--format", "json"}).out);
+  for (const char* of_oil : {"largest_push_N", "largest_pull_N"})
+    EXPECT_TRUE(json["poses"][0]["legs"][0][of_oil].is_null()) << of_oil;
 }
 
 TEST_F(OtherLegs, ModesOfStrutsSayWhichModelTheyAreOf) {
@@ -70,6 +73,10 @@ TEST_F(OtherLegs, OtherCommandsOfMechanicsWorkWithStruts) {
     const auto result = run(arguments);
     EXPECT_EQ(result.exit_code, 0) << arguments[0] << ": " << result.err;
   }
+  const auto nastran = run({"export", "struts.toml", "--to", "dmig", "-o", "struts.pch"});
+  EXPECT_EQ(nastran.exit_code, 0) << nastran.err;
+  EXPECT_THAT(nastran.out, AllOf(HasSubstr("struts"), Not(HasSubstr("oil"))));
+  EXPECT_THAT(test::read_text(folder_ / "struts.pch"), Not(HasSubstr("oil")));
 }
 
 TEST_F(OtherLegs, WhatNeedsHydraulicsIsRefused) {
@@ -128,6 +135,10 @@ TEST_F(OtherLegs, ModesOfScrewsAreOfHeldOrOfFreeMotors) {
   EXPECT_EQ(held.exit_code, 0) << held.err;
   EXPECT_THAT(held.out, HasSubstr("the legs are electric cylinders: mechanics with locked motors"));
   EXPECT_THAT(held.out, HasSubstr("screws of"));
+  EXPECT_THAT(held.out, Not(HasSubstr("includes")));
+  const auto soft = run({"modes", "screws.toml", "--set", "legs.gimbal_stiffness=300 N/um"});
+  EXPECT_THAT(soft.out, HasSubstr("\nelastic energy of screws includes that of gimbals in series "
+                                  "(legs.gimbal_stiffness)\n"));
   const auto free = run({"modes", "screws.toml", "--open-loop"});
   EXPECT_EQ(free.exit_code, 0) << free.err;
   EXPECT_THAT(free.out, HasSubstr("with free motors"));

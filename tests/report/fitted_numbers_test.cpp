@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 
@@ -290,7 +291,26 @@ TEST(NumbersInJson, OfADiagnosis) {
   EXPECT_NEAR(d.modes[0].drop(), 1.0 - 6.1 / 6.6, 1e-12);
   EXPECT_EQ(json["measured_modes"][0]["direction"], "rx");
   EXPECT_EQ(json["measured_modes"][0]["resonance"], true);
+  EXPECT_FALSE(json["measured_modes"][0]["strain_energy"].contains("axial"));
+  auto screws = d;
+  screws.modes[0].leg_type = model::LegType::screw;
+  EXPECT_EQ(
+      report::diagnosis_json({.diagnosis = screws})["measured_modes"][0]["strain_energy"]["axial"],
+      "screws");
   EXPECT_EQ(json["discriminators"][0]["direction"], "rz");
+}
+
+TEST(Summary, KnowsResonancesThatComeFromThePayload) {
+  auto d = diagnosed();
+  auto& mode = d.modes[0];
+  mode.oil = mode.guide_sleeves = 0.2;
+  mode.piston_rings = mode.base = 0.0;
+  mode.payload = 0.6;
+  const auto words = report::summary({.diagnosis = d});
+  EXPECT_EQ(std::ranges::count(words,
+                               "From the modes of the payload comes the resonance in rx at "
+                               "6.10 Hz."),
+            1);
 }
 
 TEST(NumbersInJson, OfAttributionAndRemedy) {

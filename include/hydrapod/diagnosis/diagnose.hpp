@@ -306,8 +306,9 @@ struct MeasuredMode {
   bool resonance{};
   /// What the mode of the best hypothesis mostly does, where that contradicts `direction`; else −1.
   int mode_direction{-1};
-  /// Shares of the elastic energy.
+  /// Shares of the elastic energy; `oil` is that of the axial springs of the legs.
   double oil{}, guide_sleeves{}, piston_rings{}, base{}, payload{}, bending{};
+  model::LegType leg_type{};  ///< whose axial springs they are
   /// 1 − ω/ω_rigid, of what was measured.
   [[nodiscard]] double drop() const { return omega_rigid > 0.0 ? 1.0 - omega / omega_rigid : 0.0; }
 };

@@ -85,6 +85,10 @@ std::string energy_text(double oil, double guide_sleeve, double piston_ring, dou
                         double payload = 0.0, double bending = 0.0, model::LegType leg = {});
 std::string energy_text(const modal::EnergyShares& energy);
 
+/// What the share of oil, struts or screws holds beside them: gimbals in series, sticking seals in
+/// parallel. A line with its end; empty where there are neither.
+std::string axial_energy_text(const model::Machine& machine);
+
 /// "Lowest mode the platform feels: 7.45 Hz in x; …", one line with its end; empty when there is no
 /// such mode.
 std::string answer_text(const modal::ModeTable& table);

@@ -38,8 +38,6 @@ function shownMode(state: State, mode: DiagnosedMode): number {
 const cell = (text: string) => html('td', {}, text);
 
 function measuredTable(state: State, found: Diagnosis): HTMLElement {
-  const type = state.stated.modes[0]?.strain_energy.axial; // of all legs; the diagnosis does not repeat it
-  const axial = type === undefined ? {} : { axial: type };
   const rows = (found.measured_modes ?? []).map((mode) => {
     const show = () => {
       state.chooseMode(shownMode(state, mode));
@@ -55,7 +53,7 @@ function measuredTable(state: State, found: Diagnosis): HTMLElement {
       cell(mode.rigid_hz !== null && mode.rigid_mac >= 0.1 ? signedPercent(-100 * mode.drop) : ''),
       cell(hertz(mode.nominal_hz)),
       cell(hertz(mode.fitted_hz)),
-      html('td', {}, stackedBar(energyParts({ ...mode.strain_energy, ...axial }))),
+      html('td', {}, stackedBar(energyParts(mode.strain_energy))),
       html('td', {}, here ? button('Show', show, { 'data-control': 'show-mode', 'aria-label': `Show the motion of the mode at ${hertz(mode.frequency_hz)} Hz` }) : ''),
     );
   });
