@@ -357,7 +357,7 @@ TEST(Check, IsNotSoundWhereThePumpDoesNotCoverTheLeakage) {
   const auto weak = of_flow("1 l/min");
   EXPECT_EQ(weak.exit_code, 1);
   EXPECT_EQ(weak.err, "error: the machine is not sound\n");
-  EXPECT_THAT(weak.out, AllOf(HasSubstr("oil spring N/µm"),
+  EXPECT_THAT(weak.out, AllOf(HasSubstr("oil spring N/µm"), HasSubstr("First resonance: "),
                               HasSubstr("warning: the pump gives 1 l/min, and the valves leak "),
                               HasSubstr("\nNot sound: the pump gives 1 l/min and the valves leak "),
                               testing::EndsWith(" l/min at pose low.\n")));
