@@ -193,7 +193,7 @@ void plot_amplitudes(const tasks::Machine& machine, const report::ModesAtAmplitu
     report::plot_modes_at_amplitudes(
         modes, machine.file.machine.name,
         fmt::format("harmonic balance; pose {}, {} model; machine: {}", machine.pose.name,
-                    dynamics::name(machine.kind), report::state_text(machine.file)),
+                    dynamics::name(machine.kind), report::mechanics_state_text(machine.file)),
         to);
   });
 }

@@ -74,7 +74,7 @@ report::PlotText plot_text(const tasks::Machine& subject, const report::Bode& bo
   return {fmt::format("{}: {}", machine.name, output_from_input(bode.options)),
           fmt::format("pose {}; {}; {}; damping: {}; machine: {}", subject.pose.name,
                       point_of_platform(bode.options), report::gravity_text(machine),
-                      report::damping_text(machine), report::state_text(subject.file))};
+                      report::damping_text(machine), report::mechanics_state_text(subject.file))};
 }
 
 }  // namespace hydrapod::cli

@@ -189,9 +189,14 @@ std::string letters_text(const simulation::Capability& capability) {
   return "Ended by: " + text + ".\n";
 }
 
+std::string resonance_text(const report::PoseCheck& check) {
+  if (!check.first_resonance) return {};
+  return fmt::format("First resonance: {:.3g} Hz.", *check.first_resonance / base::two_pi);
+}
+
 std::string capability_text(const report::PoseCheck& check, const TableStyle& style) {
   using simulation::Ability;
-  if (!check.capability) return {};
+  if (!check.capability) return check.first_resonance ? resonance_text(check) + "\n" : "";
   const auto& able = *check.capability;
   constexpr double degrees = 180.0 / std::numbers::pi;
   Table table({"from rest", "force kN, kN m", "speed m/s, °/s", "acceleration m/s², °/s²",
@@ -210,8 +215,7 @@ std::string capability_text(const report::PoseCheck& check, const TableStyle& st
       "of "
       "the accelerations.\n",
       100.0 * able.combined[0], 100.0 * able.combined[1], 100.0 * able.combined[2]);
-  if (check.first_resonance)
-    text += fmt::format("First resonance: {:.3g} Hz.", *check.first_resonance / base::two_pi);
+  text += resonance_text(check);
   if (able.gain_limit)
     text += fmt::format(
         " Without integral and damping feedback, the position loop is stable below a gain of "
@@ -265,10 +269,7 @@ std::string details_text(const model::Machine& machine, const report::PoseCheck&
   text += fmt::format(
       "Jacobian: condition {:.3g} (lengths scaled with {:.3g} m; singular from {:.0g})\n",
       check.quality.condition, check.quality.characteristic_length, kinematics::singular_condition);
-  if (struts)
-    return text + (check.first_resonance ? fmt::format("First resonance: {:.3g} Hz.\n",
-                                                       *check.first_resonance / base::two_pi)
-                                         : "");
+  if (struts) return text + capability_text(check, style);
   text += buckling_text(machine, check);
   text += column_text(check);
   text += bending_text(check);

@@ -244,8 +244,8 @@ std::string report_text(const tasks::DesignJob& job, const study::DesignResult& 
              "meet the requirements\n\n",
              bold(job.machine.file.machine.name, style),
              job.problem.poses.size() == 1 ? "pose" : "poses", poses,
-             dynamics::name(job.machine.kind), state_line(job.machine.file), result.evaluations,
-             result.feasible_samples, result.samples) +
+             dynamics::name(job.machine.kind), mechanics_state_line(job.machine.file),
+             result.evaluations, result.feasible_samples, result.samples) +
          changes_text(job, result, units, style) + requirements_text(job, result, units, style) +
          limits_text(job.problem, result, units) + front_text(job.problem, result, units, style) +
          reach_text(job.problem, result, units);
@@ -257,7 +257,7 @@ void plot(const Arguments& arguments, const tasks::DesignJob& job,
   const std::string subtitle =
       fmt::format("{} {}, {} model; machine: {}", problem.poses.size(),
                   problem.poses.size() == 1 ? "pose" : "poses", dynamics::name(job.machine.kind),
-                  report::state_text(job.machine.file));
+                  report::mechanics_state_text(job.machine.file));
   if (!result.front.empty())
     return report::plot_trade_off(problem, result,
                                   fmt::format("{}: {} against {}", job.machine.file.machine.name,

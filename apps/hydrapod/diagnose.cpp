@@ -40,7 +40,7 @@ const char* machine_word(const diagnosis::CaseFile& file) {
   return file.fitted ? "fitted" : "nominal";
 }
 
-std::string modes_text(const diagnosis::Diagnosis& d, model::LegType type,
+std::string modes_text(const diagnosis::Diagnosis& d, const model::Machine& machine,
                        const TableStyle& style) {
   Table table({"<pose", "<direction", "measured Hz", "rigid Hz", "drop", "share", "peak",
                "nominal Hz", "fitted Hz", "MAC", "<elastic energy"});
@@ -56,9 +56,9 @@ std::string modes_text(const diagnosis::Diagnosis& d, model::LegType type,
          hertz(m.omega_stated), hertz(m.omega_best),
          m.shape_mac > 0.0 ? fmt::format("{:.2f}", m.shape_mac) : "",
          report::energy_text(m.oil, m.guide_sleeves, m.piston_rings, m.base, m.payload, m.bending,
-                             type)});
+                             m.leg_type)});
   }
-  return heading("Measured modes", style) + table.text(style);
+  return heading("Measured modes", style) + table.text(style) + report::axial_energy_text(machine);
 }
 
 std::string ranking_text(const diagnosis::Diagnosis& d, std::size_t shown,
@@ -158,7 +158,7 @@ std::string table_text(const Arguments& a, const model::MachineFile& file,
   for (const auto& sentence : report::summary(found)) text += "  " + sentence + "\n";
   if (style.brief) return text;
   if (found.diagnosis) {
-    text += modes_text(*found.diagnosis, model::leg_type(file.machine), style);
+    text += modes_text(*found.diagnosis, found.machine, style);
     if (found.diagnosis->hypotheses.size() > 1)
       text += ranking_text(*found.diagnosis, a.shown, style);
   }

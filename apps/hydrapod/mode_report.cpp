@@ -123,6 +123,10 @@ std::string state_line(const model::MachineFile& file) {
   return fmt::format("machine: {}\n", report::state_text(file));
 }
 
+std::string mechanics_state_line(const model::MachineFile& file) {
+  return fmt::format("machine: {}\n", report::mechanics_state_text(file));
+}
+
 std::string heading(const tasks::Machine& subject, const TableStyle& style) {
   constexpr std::array<const char*, 3> what{"rigid-leg model", "guide-sleeve model",
                                             "guide-sleeve and piston-ring model"};
@@ -142,7 +146,7 @@ std::string heading(const tasks::Machine& subject, const TableStyle& style) {
   return fmt::format("{}, pose {}: {}, {} modes{}{}\n{}{}; {} axes; damping: {}\n",
                      bold(machine.name, style), subject.pose.name,
                      what[static_cast<size_t>(subject.kind)], modes, base, payload,
-                     state_line(subject.file), report::gravity_text(machine),
+                     mechanics_state_line(subject.file), report::gravity_text(machine),
                      machine.flexible_axes == model::FlexibleAxes::gimbal ? "gimbal" : "transverse",
                      report::damping_text(machine));
 }

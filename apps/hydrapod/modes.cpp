@@ -246,7 +246,8 @@ std::string table_text(const tasks::Machine& machine, const modal::ModeTable& ta
     note = "\nthe change by --set is not shown: without it the file has no modes at this pose\n";
   }
   return heading(machine, style) + "\n" + mode_text(table, before ? &*before : nullptr, style) +
-         note + "\n" + report::answer_text(table);
+         style.detail(report::axial_energy_text(machine.file.machine)) + note + "\n" +
+         report::answer_text(table);
 }
 
 /// Those asked for; all of a file that has one are a mistake.
@@ -304,7 +305,7 @@ void run_at_poses(const Arguments& arguments, const tasks::Machine& machine,
   write_output(arguments.output,
                format == 0
                    ? fmt::format("{}, {} model\n{}\n", bold(machine.file.machine.name, style),
-                                 dynamics::name(machine.kind), state_line(machine.file)) +
+                                 dynamics::name(machine.kind), mechanics_state_line(machine.file)) +
                          poses_table(modes, style)
                : format == 1 ? json_text(
                                    [&] {

@@ -12,6 +12,7 @@ namespace hydrapod::cli {
 
 /// A line below a heading: "machine: calibrated, with platform.mass=4 t".
 std::string state_line(const model::MachineFile& file);
+std::string mechanics_state_line(const model::MachineFile& file);  ///< of mechanics alone
 
 /// Machine, pose, model and assumptions in two lines.
 std::string heading(const tasks::Machine& machine, const TableStyle& style);

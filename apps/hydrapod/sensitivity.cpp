@@ -22,13 +22,13 @@ void run(const Arguments& arguments) {
   const std::string title = fmt::format("{}, pose {}, {} model", machine.file.machine.name,
                                         machine.pose.name, dynamics::name(machine.kind));
   draw(arguments.plot, [&](const auto& path) {
-    report::plot_sensitivities(result, title + "; machine: " + report::state_text(machine.file),
-                               path);
+    report::plot_sensitivities(
+        result, title + "; machine: " + report::mechanics_state_text(machine.file), path);
   });
   std::string text;
   if (format == 0) {
     const auto style = table_style(arguments.output);
-    text = bold(title, style) + "\n" + state_line(machine.file) + "\n" +
+    text = bold(title, style) + "\n" + mechanics_state_line(machine.file) + "\n" +
            sensitivity_text(result, style) +
            style.detail(
                "\nRepeated modes are shown in the basis of the parameter that separates them "

@@ -215,7 +215,7 @@ void plot_map(const tasks::StudyJob& job, const std::string& value, const std::s
   report::plot_field(
       field, fmt::format("{}: {}", job.machine.file.machine.name, found->meaning),
       fmt::format("pose {}, {} model; machine: {}; grey: no value", job.machine.pose.name,
-                  dynamics::name(job.machine.kind), report::state_text(job.machine.file)),
+                  dynamics::name(job.machine.kind), report::mechanics_state_text(job.machine.file)),
       path);
 }
 
@@ -260,7 +260,7 @@ void report_study(const Arguments& arguments, const tasks::StudyJob& job,
   write_output(arguments.output,
                fmt::format("{}, pose {}, {} model\n{}{} rows, seed {}\n\n",
                            bold(job.machine.file.machine.name, style), job.machine.pose.name,
-                           dynamics::name(job.machine.kind), state_line(job.machine.file),
+                           dynamics::name(job.machine.kind), mechanics_state_line(job.machine.file),
                            done.summary->rows, job.plan.seed) +
                    summary_text(job, *done.summary, style) + "\n" + worst_text(job, *done.summary));
 }
@@ -332,7 +332,8 @@ void add_common(Command command, Arguments& arguments) {
        {"--seed", arguments.seed, "Seed; sample i depends on seed and i alone; default: 1",
         shown_as("NUMBER")},
        {"--buckling", arguments.buckling, "Compute the buckling payload too (milliseconds a row)"},
-       {"--modes", arguments.modes, "Platform modes that are followed by shape", range(1, 36)},
+       {"--modes", arguments.modes, "Platform modes that are followed by shape",
+        range(1, dynamics::max_dof)},
        {"--threads", arguments.threads, "Threads; default: one per processor", range(1, 1024)},
        {"--resume", arguments.resume, "Go on with the rows of an interrupted run"},
        {"--shard", arguments.shard, "i/n: compute part i of n; with --join: n"},

@@ -102,7 +102,8 @@ def plot_modes(modes: Modes, *, platform_only: bool = True, figure: Any = None) 
     left.set_xlabel("Hz", fontsize=9)
     _style(left, grid="x")
     begin = np.zeros(len(shown))
-    parts = (("oil", "#56b4e9", "oil"), ("guide_sleeve", "#e69f00", "guide sleeves"),
+    axial = shown[0]["strain_energy"].get("axial", "oil") if shown else "oil"
+    parts = (("oil", "#56b4e9", axial), ("guide_sleeve", "#e69f00", "guide sleeves"),
              ("piston_ring", "#cc79a7", "piston rings"), ("base_mount", grey, "base mount"),
              ("payload", "#009e73", "payload"), ("bending", "#d55e00", "bending of rods and cases"))
     for key, colour, name in parts:

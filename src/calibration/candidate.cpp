@@ -94,6 +94,7 @@ FittedParameter fitted(const Variable& variable, double x, double data, double j
                     .start = variable.start,
                     .lower = variable.lower,
                     .upper = variable.upper,
+                    .stated = variable.stated,
                     .value = value,
                     .has_prior = variable.prior.has_value()};
   const double size = size_of(variable, value);

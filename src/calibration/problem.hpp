@@ -37,6 +37,7 @@ struct Variable {
   std::vector<model::ParameterId> ids{};
   std::string unit{};
   double start{}, lower{}, upper{};
+  std::optional<std::array<double, 2>> stated{};  ///< as in FittedParameter
   std::optional<Prior> prior{};
   double scale{1.0};  ///< of a linear variable
   int sign{};         ///< ±1: x = ln |p|; 0: linear

@@ -27,7 +27,7 @@ class VariableMaker {
 
   Variable make() {
     Variable variable{.paths = free_.paths};
-    const auto first = find_paths(variable.ids);
+    const auto first = find_paths(variable);
     if (!first) return variable;
     variable.unit = first->unit;
     variable.start = free_.start ? amount(*free_.start, variable.unit, "start") : first->value;
@@ -46,8 +46,9 @@ class VariableMaker {
   }
 
   /// The number at the first path; nothing where one of the paths is none that can be tied to it.
-  std::optional<model::FileNumber> find_paths(std::vector<model::ParameterId>& ids) {
+  std::optional<model::FileNumber> find_paths(Variable& variable) {
     std::optional<model::FileNumber> first;
+    double least = std::numeric_limits<double>::infinity(), greatest = -least;
     for (const auto& path : free_.paths) {
       const auto number = find_number(file_, path);
       if (!number) {
@@ -63,8 +64,11 @@ class VariableMaker {
                           number->unit, first->path, first->unit));
         return std::nullopt;
       }
-      ids.push_back(number->id);
+      variable.ids.push_back(number->id);
+      least = std::min(least, number->value);
+      greatest = std::max(greatest, number->value);
     }
+    if (least < greatest) variable.stated = {least, greatest};
     if (!first) error("no path is given");
     return first;
   }

@@ -49,9 +49,14 @@ const model::Leg& leg_of(const model::MachineFile& file, Leg leg) {
 }
 
 /// For all legs the first of those that the number at legs.`rest` sets: others may have their own.
-const model::Leg& leg_with(const model::MachineFile& file, Leg leg, const std::string& rest) {
+int index_with(const model::MachineFile& file, Leg leg, const std::string& rest) {
+  if (leg) return *leg;
   const auto id = find_parameter(file, leg_path({}, rest));
-  return leg_of(file, leg || !id ? leg : Leg(std::countr_zero(id->legs)));
+  return id ? std::countr_zero(id->legs) : 0;
+}
+
+const model::Leg& leg_with(const model::MachineFile& file, Leg leg, const std::string& rest) {
+  return leg_of(file, index_with(file, leg, rest));
 }
 
 /// With the stiffness at `path`, of which the file states `value`. A seal that is stated as rigid
@@ -84,11 +89,11 @@ void add_piston_rings(const model::MachineFile& file, std::vector<Cause>& all) {
   if (leg_of(file, {}).strut) return;
   // where the file has none they begin stiffer than the sleeves, as they are in cylinders
   constexpr double factor = 1000.0, stiffer = 10.0, stiffest = 1e9;
-  const bool stated = leg_of(file, {}).piston_ring.has_value();
+  const std::string key = "piston_ring.stiffness";
   for (const auto leg : all_and_each) {
-    const auto& of = leg_of(file, leg);
-    if (leg && !(stated && of.piston_ring)) continue;
-    const auto path = leg_path(leg, "piston_ring.stiffness");
+    const auto& of = leg_with(file, leg, key);
+    if (leg && !of.piston_ring) continue;
+    const auto path = leg_path(leg, key);
     const double start = of.piston_ring ? of.piston_ring->stiffness
                                         : std::min(stiffer * of.guide_sleeve.stiffness, stiffest);
     auto rings = softer(file, {Cause::Kind::piston_rings, leg}, path, start, factor);
@@ -115,51 +120,53 @@ std::pair<const char*, double> spring_number(const model::Leg& leg) {
 
 /// Air in all legs; where the file has none, from next to nothing, at a usual chamber pressure.
 Cause entrained_air(const model::MachineFile& file) {
-  const auto& cylinder = *oil_leg(file, {}).oil_spring.cylinder;
+  const std::string key = "oil_spring.cylinder.air.fraction";
+  const auto& cylinder = *leg_with(file, {}, key).oil_spring.cylinder;
   constexpr double least = 1e-4, most = 0.25, usual_pressure = 4e6;
-  const std::string path = "legs.oil_spring.cylinder.air.fraction";
+  const auto path = leg_path({}, key);
   Cause air{Cause::Kind::air};
   double fraction = 1e-3;
   if (cylinder.air && cylinder.air->fraction > least) fraction = cylinder.air->fraction;
   if (!cylinder.air)
     air.changes = {change(file, "legs.oil_spring.cylinder.air.pressure", usual_pressure),
                    change(file, path, fraction)};
-  air.free = {{.paths = {path}, .start = fraction, .lower = least, .upper = most}};
+  air.free = {
+      {.paths = {path}, .start = fraction, .lower = least, .upper = std::max(most, fraction)}};
   return air;
 }
 
 /// More oil behind the piston than stated, on one side: dead volume or line, which the linear
 /// models do not tell apart.
-Cause volume(const model::MachineFile& file, Cause::Kind side, Leg leg) {
-  const auto& of = oil_leg(file, leg);
-  const auto& cylinder = *of.oil_spring.cylinder;
+void add_volume(const model::MachineFile& file, Cause::Kind side, Leg leg,
+                std::vector<Cause>& all) {
   const bool cap = side == Cause::Kind::cap_volume;
+  const auto key = fmt::format("oil_spring.cylinder.{}_line_volume", cap ? "cap" : "rod");
+  const auto& of = leg_with(file, leg, key);
+  if (!of.oil_spring.cylinder || !of.stroke) return;
+  const auto& cylinder = *of.oil_spring.cylinder;
   const double stated = cap ? cylinder.cap_line_volume : cylinder.rod_line_volume;
   const double area = 0.25 * std::numbers::pi * cylinder.bore * cylinder.bore;
   const double swept = area * of.stroke->length;
   const double start = std::max(stated, 0.01 * swept);
-  const auto path =
-      leg_path(leg, fmt::format("oil_spring.cylinder.{}_line_volume", cap ? "cap" : "rod"));
+  const auto path = leg_path(leg, key);
   Cause cause{side, leg};
   if (start != stated) cause.changes = {change(file, path, start)};
   cause.free = {
       {.paths = {path}, .start = start, .lower = 1e-4 * swept, .upper = 5.0 * swept + stated}};
-  return cause;
+  all.push_back(cause);
 }
 
 /// Plain struts, or screws of electric cylinders, softer or stiffer than stated.
 void add_struts_and_screws(const model::MachineFile& file, std::vector<Cause>& all) {
   constexpr double factor = 5.0;
+  const std::string of_strut = "strut.stiffness", of_screw = "screw.stiffness";
   for (const auto leg : all_and_each) {
-    const auto& of = leg_of(file, leg);
-    if (of.strut)
-      all.push_back({Cause::Kind::struts,
-                     leg,
-                     {within(leg_path(leg, "strut.stiffness"), of.strut->stiffness, factor)}});
-    if (of.screw)
-      all.push_back({Cause::Kind::screws,
-                     leg,
-                     {within(leg_path(leg, "screw.stiffness"), of.screw->stiffness, factor)}});
+    if (const auto& strut = leg_with(file, leg, of_strut).strut)
+      all.push_back(
+          {Cause::Kind::struts, leg, {within(leg_path(leg, of_strut), strut->stiffness, factor)}});
+    if (const auto& screw = leg_with(file, leg, of_screw).screw)
+      all.push_back(
+          {Cause::Kind::screws, leg, {within(leg_path(leg, of_screw), screw->stiffness, factor)}});
   }
 }
 
@@ -169,7 +176,8 @@ void add_oil(const model::MachineFile& file, std::vector<Cause>& all) {
   if (model::leg_type(file.machine) != model::LegType::cylinder) return;
   const auto& cylinder = oil_leg(file, {}).oil_spring.cylinder;
   for (const auto leg : all_and_each) {
-    const auto [path, stated] = spring_number(oil_leg(file, leg));
+    const auto& of = cylinder ? oil_leg(file, leg) : leg_with(file, leg, "oil_spring.stiffness");
+    const auto [path, stated] = spring_number(of);
     all.push_back({!leg && cylinder ? Cause::Kind::bulk_modulus : Cause::Kind::oil_springs,
                    leg,
                    {within(leg_path(leg, path), stated, factor)}});
@@ -182,9 +190,7 @@ void add_oil(const model::MachineFile& file, std::vector<Cause>& all) {
   if (std::ranges::all_of(file.machine.legs, has_air_alike)) all.push_back(entrained_air(file));
   if (cylinder->volumes == model::VolumeRule::equal) return;
   for (const auto side : {Cause::Kind::cap_volume, Cause::Kind::rod_volume})
-    for (const auto leg : all_and_each)
-      if (const auto& of = oil_leg(file, leg); of.oil_spring.cylinder && of.stroke)
-        all.push_back(volume(file, side, leg));
+    for (const auto leg : all_and_each) add_volume(file, side, leg, all);
 }
 
 /// Gimbals and their fastening, which are compliant along the legs or have play; play shows as a
@@ -192,11 +198,13 @@ void add_oil(const model::MachineFile& file, std::vector<Cause>& all) {
 void add_gimbals(const model::MachineFile& file, std::vector<Cause>& all) {
   constexpr double stiff = 30.0, factor = 1000.0;
   const auto lengths = kinematics::leg_lengths(file.machine, file.machine.neutral());
+  const std::string key = "gimbal_stiffness";
   for (const auto leg : all_and_each) {
-    const auto& of = leg_of(file, leg);
-    const double l_m = lengths[leg.value_or(0)] - of.rod.length;
+    const int number = index_with(file, leg, key);
+    const auto& of = leg_of(file, number);
+    const double l_m = lengths[number] - of.rod.length;
     const double k = of.gimbal_stiffness.value_or(stiff * hydraulics::oil_stiffness(of, l_m));
-    const auto path = leg_path(leg, "gimbal_stiffness");
+    const auto path = leg_path(leg, key);
     Cause cause{Cause::Kind::gimbals, leg, {within(path, k, factor)}};
     if (!of.gimbal_stiffness) cause.changes = {change(file, path, k)};
     all.push_back(cause);
@@ -213,15 +221,17 @@ void add_sticking_seals(const model::MachineFile& file, std::vector<Cause>& all)
   constexpr double least = 1e-4, start = 0.01;  // of the oil spring
   if (model::leg_type(file.machine) != model::LegType::cylinder) return;
   const auto lengths = kinematics::leg_lengths(file.machine, file.machine.neutral());
+  const std::string key = "stick_stiffness";
   for (const auto leg : all_and_each) {
-    const auto& of = leg_of(file, leg);
-    const auto axis = hydraulics::servo_axis(file.machine, leg.value_or(0));
+    const int number = index_with(file, leg, key);
+    const auto& of = leg_of(file, number);
+    const auto axis = hydraulics::servo_axis(file.machine, number);
     const double force =
         std::max(axis.friction.breakaway,
                  most_friction * axis.area.piston * file.machine.hydraulics.supply.pressure);
-    const double k_h = hydraulics::oil_stiffness(of, lengths[leg.value_or(0)] - of.rod.length);
+    const double k_h = hydraulics::oil_stiffness(of, lengths[number] - of.rod.length);
     const double stated = of.stick_stiffness, begin = stated > 0.0 ? stated : start * k_h;
-    const auto path = leg_path(leg, "stick_stiffness");
+    const auto path = leg_path(leg, key);
     Cause cause{Cause::Kind::sticking_seals,
                 leg,
                 {{.paths = {path},
@@ -298,13 +308,17 @@ void add_oil_lines(const model::MachineFile& file, std::vector<Cause>& all) {
   constexpr double least = 1e-4, most = 0.5;  // of the platform's mass, per leg
   if (model::leg_type(file.machine) != model::LegType::cylinder) return;
   const double mass = file.machine.platform.mass;
+  const std::string key = "added_axial_inertia";
   for (const auto leg : all_and_each) {
-    const auto path = leg_path(leg, "added_axial_inertia");
-    const double stated = leg_of(file, leg).added_axial_inertia;
+    const auto path = leg_path(leg, key);
+    const double stated = leg_with(file, leg, key).added_axial_inertia;
     const double start = std::max(stated, 10.0 * least * mass);
     Cause cause{Cause::Kind::oil_lines, leg};
     if (start != stated) cause.changes = {change(file, path, start)};
-    cause.free = {{.paths = {path}, .start = start, .lower = least * mass, .upper = most * mass}};
+    cause.free = {{.paths = {path},
+                   .start = start,
+                   .lower = least * mass,
+                   .upper = std::max(most * mass, start)}};
     all.push_back(cause);
   }
 }
@@ -314,17 +328,19 @@ void add_oil_lines(const model::MachineFile& file, std::vector<Cause>& all) {
 void add_leakage(const model::MachineFile& file, std::vector<Cause>& all) {
   constexpr double tighter = 30.0, worn = 1000.0;
   if (!model::has_chambers(file.machine)) return;
+  const std::string key = "leakage.internal";
   for (const auto leg : all_and_each) {
-    const double resolved = hydraulics::servo_axis(file.machine, leg.value_or(0)).internal_leakage;
+    const int number = index_with(file, leg, key);
+    const double resolved = hydraulics::servo_axis(file.machine, number).internal_leakage;
     if (!(resolved > 0.0)) continue;
-    const auto path = leg_path(leg, "leakage.internal");
+    const auto path = leg_path(leg, key);
     Cause cause{Cause::Kind::leakage,
                 leg,
                 {{.paths = {path},
                   .start = resolved,
                   .lower = resolved / tighter,
                   .upper = resolved * worn}}};
-    if (!leg_of(file, leg).hydraulics.leakage.internal)
+    if (!leg_of(file, number).hydraulics.leakage.internal)
       cause.changes = {change(file, path, resolved)};
     all.push_back(cause);
   }
@@ -380,15 +396,16 @@ void add_bending(const model::MachineFile& file, std::vector<Cause>& all) {
   // half the diameter of a solid rod has a sixteenth of the stiffness; rods are rarely
   // thicker than drawn
   constexpr double thinner = 0.5, thicker = 1.25, clearance = 1.02;
+  const std::string key = "rod.diameter";
   for (const auto leg : all_and_each) {
-    const auto& of = leg_of(file, leg);
+    const auto& of = leg_with(file, leg, key);
     if (of.bending != model::LegBending::elastic) continue;
     const double stated = model::rod_diameter(of).value();
     double lower = thinner * stated, upper = thicker * stated;
     if (of.rod.wall) lower = std::max(lower, std::min(stated, 2.0 * clearance * *of.rod.wall));
     if (const auto& cylinder = of.oil_spring.cylinder)
       upper = std::min(upper, std::max(stated, cylinder->bore / clearance));
-    const auto path = leg_path(leg, "rod.diameter");
+    const auto path = leg_path(leg, key);
     Cause cause{Cause::Kind::rods_bend,
                 leg,
                 {{.paths = {path}, .start = stated, .lower = lower, .upper = upper}}};
@@ -409,19 +426,24 @@ void add_elastomers(const model::MachineFile& file, std::vector<Cause>& all) {
     return elastomer && elastomer->dynamic_ratio && elastomer->loss_factor;
   };
   if (!std::ranges::all_of(legs, has_numbers)) return;
-  const auto& elastomer = legs[0].guide_sleeve.elastomer;
-  const auto add = [&](Cause::Kind kind, const char* key, double value, double least, double most) {
+  const std::string of_ratio = "guide_sleeve.elastomer.dynamic_ratio",
+                    of_loss = "guide_sleeve.elastomer.loss_factor";
+  const auto elastomer = [&](const std::string& key) {
+    return *leg_with(file, {}, key).guide_sleeve.elastomer;
+  };
+  const auto add = [&](Cause::Kind kind, const std::string& key, double value, double least,
+                       double most) {
     all.push_back({kind,
                    {},
-                   {{.paths = {std::string("legs.guide_sleeve.elastomer.") + key},
+                   {{.paths = {leg_path({}, key)},
                      .start = value,
                      .lower = std::min(least, value),
                      .upper = std::max(most, margin * value)}}});
   };
-  const double ratio = *elastomer->dynamic_ratio;
-  add(Cause::Kind::elastomer_ratio, "dynamic_ratio", ratio,
+  const double ratio = *elastomer(of_ratio).dynamic_ratio;
+  add(Cause::Kind::elastomer_ratio, of_ratio, ratio,
       std::min(least_ratio, 1.0 + 0.5 * (ratio - 1.0)), most_ratio);
-  add(Cause::Kind::elastomer_loss, "loss_factor", *elastomer->loss_factor, least_loss, most_loss);
+  add(Cause::Kind::elastomer_loss, of_loss, *elastomer(of_loss).loss_factor, least_loss, most_loss);
 }
 
 /// One number for all legs is that of each leg where the file states it for each of them.

@@ -19,11 +19,12 @@ using numerics::Progress;
 using numerics::Watch;
 using Charges = std::vector<std::vector<std::size_t>>;
 
-/// Hypotheses by `charges`, in their order; those that no machine with modes fits are left out.
+/// Hypotheses by `charges`, in their order; those that no machine with modes fits go to `untested`.
 std::vector<Hypothesis> try_charges(const Evidence& evidence, const Charges& charges,
                                     const std::vector<Hypothesis>& known, int threads, Watch& watch,
-                                    double from, double to) {
+                                    double from, double to, std::vector<Untested>& untested) {
   std::vector<std::optional<Hypothesis>> found(charges.size());
+  std::vector<std::optional<std::string>> errors(charges.size());
   const auto known_of = [&](const std::vector<std::size_t>& causes) -> const Hypothesis* {
     if (causes.size() < 2) return nullptr;
     const Hypothesis* best = nullptr;
@@ -36,12 +37,20 @@ std::vector<Hypothesis> try_charges(const Evidence& evidence, const Charges& cha
   parallel_for(
       charges.size(), threads,
       [&](std::size_t k) {
-        if_possible([&] { found[k] = evidence.explain(charges[k], known_of(charges[k]), {}); });
+        errors[k] = why_impossible(
+            [&] { found[k] = evidence.explain(charges[k], known_of(charges[k]), {}); });
       },
       [&](double share) { return watch.at(from + (to - from) * share); });
   std::vector<Hypothesis> hypotheses;
   for (auto& e : found)
     if (e) hypotheses.push_back(std::move(*e));
+  // of a pair with a cause that was not tested alone nothing else is to be said
+  const auto singles = untested;
+  for (std::size_t k = 0; k < charges.size(); ++k)
+    if (errors[k] && std::ranges::none_of(singles, [&](const Untested& one) {
+          return one.causes.size() == 1 && std::ranges::count(charges[k], one.causes[0]) > 0;
+        }))
+      untested.push_back({charges[k], *errors[k]});
   return hypotheses;
 }
 
@@ -178,8 +187,8 @@ void try_pairs(const Evidence& evidence, const DiagnoseOptions& options, Diagnos
     const auto charges = pairs_of(some, d, tried);
     const double from = round == 0 ? begin : most, to = round == 0 ? most : end;
     const double found_at = evidence.in_two_steps() ? from + 0.8 * (to - from) : to;
-    auto found =
-        try_charges(evidence, charges, d.hypotheses, options.threads, watch, from, found_at);
+    auto found = try_charges(evidence, charges, d.hypotheses, options.threads, watch, from,
+                             found_at, d.untested);
     fit_to_all(evidence, found, d.values, options.threads, watch, found_at, to);
     for (auto& e : found) d.hypotheses.push_back(std::move(e));
     rank(d);
@@ -292,7 +301,7 @@ Diagnosis diagnose(const model::MachineFile& file, const observation::Targets& m
   d.hypotheses.push_back(evidence.rigid());
   Charges alone;
   for (std::size_t a = 0; a < d.causes.size(); ++a) alone.push_back({a});
-  auto singles = try_charges(evidence, alone, {}, options.threads, watch, 0.0, 0.3);
+  auto singles = try_charges(evidence, alone, {}, options.threads, watch, 0.0, 0.3, d.untested);
   fit_to_all(evidence, singles, d.values, options.threads, watch, 0.3, 0.4);
   for (auto& e : singles) d.hypotheses.push_back(std::move(e));
   rank(d);

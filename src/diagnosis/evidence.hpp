@@ -8,16 +8,23 @@
 
 namespace hydrapod::diagnosis {
 
-/// False where no machine with modes, or no plant, has the numbers that `task` meets.
+/// Why no machine with modes, or no plant, has the numbers that `task` meets; none: it is done.
 template <class Task>
-bool if_possible(const Task& task) {
+std::optional<std::string> why_impossible(const Task& task) {
   try {
     task();
-    return true;
-  } catch (const base::ComputationError&) {
-  } catch (const base::InputError&) {
+    return std::nullopt;
+  } catch (const base::ComputationError& error) {
+    return error.what();
+  } catch (const base::InputError& error) {
+    const auto& first = error.diagnostics().front();
+    return first.key.empty() ? first.message : first.key + " " + first.message;
   }
-  return false;
+}
+
+template <class Task>
+bool if_possible(const Task& task) {
+  return !why_impossible(task);
 }
 
 /// The measured modes with the deviations that count, and directions where shapes tell them.

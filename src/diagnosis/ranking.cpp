@@ -284,6 +284,7 @@ void trace_modes(const model::MachineFile& file, Diagnosis& d) {
                                      model, phi, mode));
     const auto energy = modal::energy_shares(model, phi).front();
     mode.oil = energy.oil.sum();
+    mode.leg_type = energy.leg_type;
     mode.guide_sleeves = energy.guide_sleeve.sum();
     mode.piston_rings = energy.piston_ring.sum();
     mode.base = energy.base_mount;

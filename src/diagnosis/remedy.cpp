@@ -60,9 +60,10 @@ class Question {
 
   [[nodiscard]] RemedyPoint point(double factor) const {
     const auto at = worst(factor);
-    double stiffest = 0.0;
-    for (const auto& leg : machine_.legs) stiffest = std::max(stiffest, leg.guide_sleeve.stiffness);
-    return {factor, factor * stiffest, at.omega, at.drop};
+    const auto sleeves = sleeves_of(machine_);
+    RemedyPoint point{factor, factor * sleeves.stiffest, at.omega, at.drop};
+    if (sleeves.softest) point.softest = factor * *sleeves.softest;
+    return point;
   }
 
  private:
@@ -119,6 +120,15 @@ std::vector<Change> changes(const model::Machine& machine,
 }
 
 }  // namespace
+
+SleeveRange sleeves_of(const model::Machine& machine) {
+  constexpr double alike = 1e-6;
+  const auto stiffness = [](const model::Leg& leg) { return leg.guide_sleeve.stiffness; };
+  const auto [softest, stiffest] = std::ranges::minmax(machine.legs, {}, stiffness);
+  SleeveRange range{.stiffest = stiffness(stiffest)};
+  if (stiffness(softest) < (1.0 - alike) * range.stiffest) range.softest = stiffness(softest);
+  return range;
+}
 
 Remedy find_remedy(const model::Machine& machine, const std::vector<model::NamedPose>& poses,
                    dynamics::ModelKind kind, const RemedyGoal& goal,

@@ -366,7 +366,10 @@ MultibodyFile multibody_file(const Machine& machine, const Pose& X_BP, dynamics:
     case MultibodyFormat::urdf:
       parity.push_back({Held::approximate, "closed loops",
                         "six ball joints in the sidecar; the tree alone falls apart"});
-      parity.push_back({Held::approximate, "springs of oil and seals", "in the sidecar"});
+      parity.push_back(
+          {Held::approximate,
+           fmt::format("springs of {} and seals", model::axial_part(model::leg_type(machine))),
+           "in the sidecar"});
       file.text = urdf_text(machine, parts);
       file.sidecar = closures_json(machine, parts);
   }

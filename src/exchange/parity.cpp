@@ -20,6 +20,19 @@ void add_hydraulics(Parity& parity) {
                     "their slope at the operating point; saturation and contact are not held"});
 }
 
+/// Of matrices of small motions.
+ParityLine axial_parity(model::LegType type) {
+  switch (type) {
+    case model::LegType::strut:
+      return {Held::exact, "struts", "springs with a damper"};
+    case model::LegType::screw:
+      return {Held::exact, "screws", "springs with a damper; the motors are locked"};
+    case model::LegType::cylinder:
+      break;
+  }
+  return {Held::approximate, "oil columns", "springs with a damper; valves are closed"};
+}
+
 void add_drives(Parity& parity) {
   parity.push_back({Held::approximate, "friction of the motors",
                     "its viscous part; Coulomb's has no linear model at rest"});
@@ -82,7 +95,7 @@ Parity superelement_parity(const Machine& machine, const Superelement& element, 
     parity.push_back({Held::exact, "base",
                       "its mount is in series with the legs: neither they nor the base have "
                       "inertia"});
-  parity.push_back({Held::approximate, "oil columns", "springs with a damper; valves are closed"});
+  parity.push_back(axial_parity(model::leg_type(machine)));
   return parity;
 }
 

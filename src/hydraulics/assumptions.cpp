@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "equivalent_cylinder.hpp"
 #include "hydrapod/hydraulics/servo_axis.hpp"
 
 namespace hydrapod::hydraulics {
@@ -16,15 +17,27 @@ constexpr double litres_per_minute = 6e4;  // per m³/s
 
 std::string flow_text(double flow) { return fmt::format("{:.3g} l/min", litres_per_minute * flow); }
 
-void assume_cylinder(const model::Leg& leg, const ServoAxis& axis, std::vector<Assumption>& all) {
+const char* rule_text(EquivalentArea::Rule rule) {
+  switch (rule) {
+    case EquivalentArea::Rule::given:
+      return "given";
+    case EquivalentArea::Rule::roomy:
+      return "chambers as long as the stroke; a sixth of the supply pressure would carry the "
+             "platform with less";
+    case EquivalentArea::Rule::carrying:
+      break;
+  }
+  return "a sixth of the supply pressure carries the platform";
+}
+
+void assume_cylinder(const model::Machine& machine, const model::Leg& leg, const ServoAxis& axis,
+                     std::vector<Assumption>& all) {
   if (leg.oil_spring.cylinder) return;
-  const auto& given = leg.hydraulics.equivalent_cylinder;
   all.push_back(
       {"equivalent_cylinder",
        fmt::format("A_p = {:.3g} cm^2 ({}), e = {:.3g}, {:.3g} l in both chambers at mid stroke: "
                    "the given oil spring at {:.3g} GPa (Eq. 16)",
-                   1e4 * axis.area.piston,
-                   given.area ? "given" : "a sixth of the supply pressure carries the platform",
+                   1e4 * axis.area.piston, rule_text(equivalent_area(machine, leg).rule),
                    axis.area.ratio(), 1e3 * axis.volume.cap, 1e-9 * axis.oil.bulk_modulus)});
 }
 
@@ -65,7 +78,7 @@ std::vector<Assumption> of_leg(const model::Machine& machine, int i) {
   const auto& supply = machine.hydraulics.supply;
   const auto axis = servo_axis(machine, i);
   std::vector<Assumption> all;
-  assume_cylinder(leg, axis, all);
+  assume_cylinder(machine, leg, axis, all);
   assume_stroke(leg, axis, all);
   assume_valve(leg, axis, supply.pressure, supply.return_pressure, all);
   assume_losses(leg, axis, supply.pressure, all);

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "equivalent_cylinder.hpp"
 #include "hydrapod/base/error.hpp"
 
 namespace hydrapod::hydraulics {
@@ -34,18 +35,24 @@ struct NeutralLeg {
 
 double half_stroke(const model::Leg& leg) { return leg.stroke ? 0.5 * leg.stroke->length : 0.0; }
 
-double equivalent_area(const model::Machine& machine, const model::Leg& leg,
-                       const NeutralLeg& neutral) {
+}  // namespace
+
+EquivalentArea equivalent_area(const model::Machine& machine, const model::Leg& leg) {
+  using Rule = EquivalentArea::Rule;
   const auto& cylinder = leg.hydraulics.equivalent_cylinder;
-  if (cylinder.area) return *cylinder.area;
+  if (cylinder.area) return {*cylinder.area, Rule::given};
+  const NeutralLeg neutral(machine, leg);
   const double load =
       machine.platform.mass * model::standard_gravity / (model::leg_count * neutral.rise);
   const double carrying = load / (load_share * machine.hydraulics.supply.pressure);
   const double e2 = cylinder.area_ratio * cylinder.area_ratio;
   const double roomy = (1.0 + least_dead_share) * half_stroke(leg) * *leg.oil_spring.stiffness /
                        (cylinder.bulk_modulus * (1.0 + e2));
-  return std::max(carrying, roomy);
+  if (roomy > carrying) return {roomy, Rule::roomy};
+  return {carrying, Rule::carrying};
 }
+
+namespace {
 
 /// Areas, volumes at mid stroke, oil.
 void set_cylinder(const model::Machine& machine, const model::Leg& leg, const NeutralLeg& neutral,
@@ -70,7 +77,7 @@ void set_cylinder(const model::Machine& machine, const model::Leg& leg, const Ne
     }
   } else {
     const auto& cylinder = leg.hydraulics.equivalent_cylinder;
-    const double e = cylinder.area_ratio, A_p = equivalent_area(machine, leg, neutral);
+    const double e = cylinder.area_ratio, A_p = equivalent_area(machine, leg).area;
     axis.area = {A_p, e * A_p};
     axis.oil.bulk_modulus = cylinder.bulk_modulus;
     axis.volume.cap = axis.volume.rod =

@@ -93,6 +93,18 @@ std::string energy_text(const modal::EnergyShares& energy) {
                      energy.leg_type);
 }
 
+std::string axial_energy_text(const model::Machine& machine) {
+  const auto any = [&](const auto& has) { return std::ranges::any_of(machine.legs, has); };
+  std::vector<std::string> others;
+  if (any([](const model::Leg& leg) { return leg.gimbal_stiffness.has_value(); }))
+    others.emplace_back("gimbals in series (legs.gimbal_stiffness)");
+  if (any([](const model::Leg& leg) { return leg.stick_stiffness > 0.0; }))
+    others.emplace_back("sticking cylinder seals in parallel (legs.stick_stiffness)");
+  if (others.empty()) return {};
+  return fmt::format("elastic energy of {} includes that of {}\n",
+                     model::axial_part(model::leg_type(machine)), fmt::join(others, " and "));
+}
+
 std::string answer_text(const modal::ModeTable& table) {
   if (!is_stable(table))
     return "The machine is unstable at this pose: the legs buckle. `hydrapod check` computes the "

@@ -80,8 +80,8 @@ std::vector<response::Peak> peaks_from_json(const Reader& fields, const char* ke
   fields(key, peaks);
   for (std::size_t k = 0; k < peaks.size(); ++k) {
     const auto mode = static_cast<std::size_t>(peaks[k].mode);
-    constexpr std::size_t most = 30;
-    if (mode >= most) fields.bad(key, "holds a mode that no model has");
+    if (mode >= static_cast<std::size_t>(dynamics::max_dof))
+      fields.bad(key, "holds a mode that no model has");
     while (model.modes.size() <= mode) {
       model.tabled_of_normal.push_back(static_cast<int>(model.modes.size()));
       model.modes.emplace_back();

@@ -165,12 +165,27 @@ std::string limit_text(Limit limit) {
   return words.at(static_cast<std::size_t>(limit));
 }
 
+namespace {
+
+/// Why there is nothing to show.
+std::string why_none(const PoseCheck& check) {
+  const auto fatal = std::ranges::find_if(
+      check.warnings, [](const PoseWarning& warning) { return is_fatal(warning.kind); });
+  if (fatal != check.warnings.end()) return warning_text(*fatal);
+  const bool limited = std::ranges::all_of(check.legs, [](const LegCheck& leg) {
+    return !leg.holding_torque || (leg.torque_limit && leg.largest_speed);
+  });
+  return limited ? "the machine does not stand there"
+                 : "the motors have no limits; expected legs.screw.torque_limit and "
+                   "legs.screw.speed_limit";
+}
+
+}  // namespace
+
 void plot_capability(const PoseCheck& check, const std::string& title, const std::string& path) {
   if (!check.capability)
-    throw base::ComputationError(fmt::format(
-        "pose {}: no picture of what the machine can do, since it does not stand there, "
-        "or its motors have no limits",
-        check.pose.name));
+    throw base::ComputationError(fmt::format("pose {}: no picture of what the machine can do: {}",
+                                             check.pose.name, why_none(check)));
   const CellGrid grid(simulation::ability_count + 1);
   const std::string heading =
       titles(title,

@@ -130,6 +130,7 @@ void describe(Fields& f, MeasuredMode& m) {
             m.omega_rigid > 0.0 ? report::peak_height(m.rigid_mac, m.omega, m.omega_rigid) : 0.0);
   f.object("strain_energy", [&](auto& energy) {
     energy("oil", m.oil);
+    describe_axial_part(energy, m.leg_type);
     energy("guide_sleeve", m.guide_sleeves);
     energy("piston_ring", m.piston_rings);
     energy("base_mount", m.base);
@@ -175,6 +176,7 @@ void describe(Fields& f, RemedyPoint& p) {
   f("stiffness_N_m", p.stiffness);
   f.scaled("frequency_hz", p.omega, two_pi);
   f("drop", p.drop);
+  f.optional("softest_N_m", p.softest);
 }
 
 template <class Fields>
@@ -277,6 +279,16 @@ void describe_hypothesis(Fields& f, Hypothesis& e, std::size_t index, Diagnosis&
 }
 
 template <class Fields>
+void describe_untested(Fields& f, Untested& untested, Diagnosis& d) {
+  std::vector<Cause> causes;
+  for (const auto k : untested.causes) causes.push_back(d.causes[k]);
+  describe_each(f, "causes", causes, [](auto& item, Cause& cause) { describe_cause(item, cause); });
+  f("error", untested.error);
+  if constexpr (Fields::reads)
+    for (const auto& cause : causes) untested.causes.push_back(index_of(cause, d.causes));
+}
+
+template <class Fields>
 void describe_lines(Fields& f, observation::ResponseTarget& response) {
   std::vector<double> hertz;
   for (const auto& s : response.s) hertz.push_back(s.imag() / two_pi);
@@ -333,6 +345,9 @@ void describe_diagnosis(Fields& f, Diagnosis& d) {
   }
   f.list("hypotheses", d.hypotheses.size(),
          [&](auto& item, std::size_t k) { describe_hypothesis(item, d.hypotheses[k], k, d); });
+  if (!Fields::reads || f.has("untested"))
+    describe_each(f, "untested", d.untested,
+                  [&](auto& item, auto& one) { describe_untested(item, one, d); });
   describe_each(f, "discriminators", d.discriminators,
                 [&](auto& item, auto& x) { describe_discriminator(item, x, d); });
   f("objections", d.objections);
@@ -366,7 +381,8 @@ void describe_case(Fields& f, CaseFile& file) {
   static constexpr std::array machines{"nominal", "fitted"};
   f("pose", file.pose);
   f.word("computed_machine", file.fitted, machines);
-  f("nominal_sleeve_N_m", file.nominal_sleeve);
+  f("nominal_sleeve_N_m", file.nominal_sleeves.stiffest);
+  f.optional("softest_nominal_sleeve_N_m", file.nominal_sleeves.softest);
   f("attribution", file.drops);
   if (file.remedy)
     f.object("remedy", [&](auto& inner) { describe_remedy(inner, *file.remedy, file.goal); });

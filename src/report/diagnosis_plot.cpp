@@ -161,7 +161,8 @@ std::string curve_panel(const CaseFile& file, const Layout& layout) {
   const double top = layout.measured + layout.ranking;
   s += place(layout, top + panel_top, top + 0.84 * panel, 0.09);
   s += "set grid back lt 1 lc rgb '#d0d0d0' lw 0.5\nset logscale x\nset xtics format '%.0s %c'\n";
-  s += "set xlabel 'stiffness of the guide sleeves, N/m'\n";
+  s += fmt::format("set xlabel 'stiffness of the guide sleeves{}, N/m'\n",
+                   r.today.softest ? " (stiffest leg)" : "");
   s += fmt::format("set title {} offset 0,1\n",
                    quoted("Required stiffness of the guide sleeves: " + goal_words(file.goal)));
   const bool drop = file.goal.drop.has_value();
@@ -178,12 +179,10 @@ std::string curve_panel(const CaseFile& file, const Layout& layout) {
   s += fmt::format(
       "plot $k using 1:{} with lines lw 2 lc rgb '#0072b2' notitle, {:.9g} with lines dt 2 lc rgb "
       "'#d55e00' title 'goal', $t using 1:2 with points pt 6 ps 1.8 lw 2 lc rgb '#444444' title {}",
-      column, goal,
-      quoted((file.fitted ? "fitted, " : "nominal, ") +
-             amount_text(r.today.stiffness, 0.0, "N/m")));
+      column, goal, quoted((file.fitted ? "fitted, " : "nominal, ") + sleeves_text(r.today)));
   if (r.status == RemedyStatus::found)
     s += fmt::format(", $n using 1:2 with points pt 7 ps 1.4 lc rgb '#009e73' title {}",
-                     quoted("required, " + amount_text(r.needed.stiffness, 0.0, "N/m")));
+                     quoted("required, " + sleeves_text(r.needed)));
   return s + "\n";
 }
 

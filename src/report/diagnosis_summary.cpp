@@ -88,14 +88,15 @@ void add_origins(const Diagnosis& d, std::vector<std::string>& words) {
   constexpr std::array origins{Origin{"guide sleeves", &MeasuredMode::guide_sleeves},
                                Origin{"piston rings", &MeasuredMode::piston_rings},
                                Origin{"base", &MeasuredMode::base},
+                               Origin{"modes of the payload", &MeasuredMode::payload},
                                Origin{"bending of rods and cases", &MeasuredMode::bending}};
   for (const auto& origin : origins) {
     std::vector<std::string> modes;
     for (const auto& mode : d.modes) {
       const double share = mode.*origin.share;
-      const double most =
-          std::max({mode.guide_sleeves, mode.piston_rings, mode.base, mode.bending});
-      if (share < main_part || share < most || mode.direction < 0) continue;
+      const bool is_most = std::ranges::all_of(
+          origins, [&](const Origin& other) { return share >= mode.*other.share; });
+      if (share < main_part || !is_most || mode.direction < 0) continue;
       const auto text =
           fmt::format("{} at {}", direction_name(mode.direction), frequency_text(mode.omega));
       if (std::ranges::count(modes, text) == 0) modes.push_back(text);
@@ -168,14 +169,13 @@ void add_discriminators(const Diagnosis& d, std::vector<std::string>& words) {
 /// Which machine attribution and remedy are of.
 const char* machine_word(const CaseFile& file) { return file.fitted ? "fitted" : "nominal"; }
 
-/// "300 kN/m", and of a fitted machine what the file states beside it.
+/// Those of the machine, and of a fitted machine what the file states beside them.
 std::string sleeve_words(const CaseFile& file) {
-  const auto present = amount_text(file.remedy->today.stiffness, 0.0, "N/m");
-  constexpr double same = 1e-6;
-  const double nominal = file.nominal_sleeve, today = file.remedy->today.stiffness;
-  if (!file.fitted || !(nominal > 0.0) || std::abs(today - nominal) <= same * nominal)
-    return present;
-  return fmt::format("{} (nominal {})", present, amount_text(file.nominal_sleeve, 0.0, "N/m"));
+  const auto present = sleeves_text(file.remedy->today);
+  const auto& [stiffest, softest] = file.nominal_sleeves;
+  const auto nominal = range_text(softest.value_or(stiffest), stiffest, "N/m");
+  if (!file.fitted || !(stiffest > 0.0) || nominal == present) return present;
+  return fmt::format("{} (nominal {})", present, nominal);
 }
 
 /// Where the measurement was not of mechanics, frequencies of mechanics are others.
@@ -249,17 +249,20 @@ void add_attribution(const CaseFile& file, std::vector<std::string>& words) {
 /// Of sleeves that will do today: stiffer ones may put their own resonances where they do harm.
 std::string stiffer_words(const CaseFile& file) {
   const auto& r = *file.remedy;
-  double from = 0.0, to = 0.0;
+  const RemedyPoint *from = nullptr, *to = nullptr;
   for (const auto& point : r.curve) {
     const bool misses =
         file.goal.drop ? point.drop > *file.goal.drop : point.omega < file.goal.omega.value_or(0.0);
     if (point.factor <= 1.0 || !misses) continue;
-    from = from > 0.0 ? std::min(from, point.stiffness) : point.stiffness;
-    to = std::max(to, point.stiffness);
+    if (from == nullptr || point.factor < from->factor) from = &point;
+    if (to == nullptr || point.factor > to->factor) to = &point;
   }
-  if (to == 0.0) return "";
+  if (to == nullptr) return "";
+  if (r.today.softest)
+    return fmt::format(" Stiffer guide sleeves, from about {:.3g} to {:.3g} times, miss the goal.",
+                       from->factor, to->factor);
   return fmt::format(" Stiffer guide sleeves, from about {} to {}, miss the goal.",
-                     amount_text(from, 0.0, "N/m"), amount_text(to, 0.0, "N/m"));
+                     sleeves_text(*from), sleeves_text(*to));
 }
 
 /// Where rods and cases bend: what stiffer sleeves cannot get beyond.
@@ -277,7 +280,7 @@ std::string bending_words(const Remedy& r) {
 std::string remedy_words(const CaseFile& file) {
   const auto& r = *file.remedy;
   const std::string goal = goal_words(file.goal);
-  const auto stiffness = amount_text(r.needed.stiffness, 0.0, "N/m");
+  const auto stiffness = sleeves_text(r.needed);
   const auto present = sleeve_words(file);
   if (r.status == RemedyStatus::out_of_reach)
     return fmt::format(

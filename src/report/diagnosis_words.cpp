@@ -253,6 +253,25 @@ std::string amount_text(double value, double deviation, const std::string& unit)
   return fmt::format("{:.{}f} ± {:.{}f}{}", shown, decimals, spread, decimals, name);
 }
 
+std::string range_text(double least, double greatest, const std::string& unit) {
+  const auto from = amount_text(least, 0.0, unit), to = amount_text(greatest, 0.0, unit);
+  return from == to ? from : from + " to " + to;
+}
+
+std::string sleeves_text(const RemedyPoint& point) {
+  return range_text(point.softest.value_or(point.stiffness), point.stiffness, "N/m");
+}
+
+namespace {
+
+/// What the file states: one value, or those of legs that differ.
+std::string nominal_text(const calibration::FittedParameter& p) {
+  const auto [least, greatest] = p.stated.value_or(std::array{p.start, p.start});
+  return range_text(least, greatest, p.unit);
+}
+
+}  // namespace
+
 std::vector<std::string> parameter_words(const Hypothesis& e) {
   using calibration::Verdict;
   std::vector<std::string> words;
@@ -265,8 +284,7 @@ std::vector<std::string> parameter_words(const Hypothesis& e) {
                     : open ? ", not determined"
                            : "");
     // with overrides the search began elsewhere than at the file's value
-    const std::string nominal =
-        e.from_nominal ? fmt::format(" (nominal {})", amount_text(p.start, 0.0, p.unit)) : "";
+    const std::string nominal = e.from_nominal ? fmt::format(" (nominal {})", nominal_text(p)) : "";
     // what a share of air does to the oil depends on how much it is compressed
     const bool air = e.air_pressure && p.paths.front().ends_with("air.fraction");
     words.push_back(
@@ -385,8 +403,33 @@ std::vector<std::string> direction_warnings(const Diagnosis& d) {
 
 }  // namespace
 
+namespace {
+
+/// One sentence for all causes that were not tested for the same reason. Pairs are in JSON alone.
+std::vector<std::string> untested_words(const Diagnosis& d) {
+  constexpr std::size_t shown = 6;
+  std::vector<std::pair<std::string, std::vector<std::string>>> by_error;
+  for (const auto& [causes, error] : d.untested) {
+    if (causes.size() > 1) continue;
+    auto group = std::ranges::find(by_error, error, [](const auto& one) { return one.first; });
+    if (group == by_error.end()) group = by_error.insert(group, {error, {}});
+    group->second.push_back(hypothesis_name(d, {.causes = causes}));
+  }
+  std::vector<std::string> words;
+  for (auto& [error, names] : by_error) {
+    const std::size_t more = names.size() > shown ? names.size() - shown : 0;
+    names.resize(names.size() - more);
+    words.push_back(fmt::format("not tested: {}{}: {}", fmt::join(names, ", "),
+                                more > 0 ? fmt::format(" and {} more", more) : "", error));
+  }
+  return words;
+}
+
+}  // namespace
+
 std::vector<std::string> note_words(const Diagnosis& d) {
   auto words = direction_warnings(d);
+  std::ranges::copy(untested_words(d), std::back_inserter(words));
   if (!d.substitution) return words;
   const auto& [measured, error] = *d.substitution;
   words.push_back(fmt::format(

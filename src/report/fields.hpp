@@ -47,6 +47,15 @@ std::array<const char*, N> words_of(const char* (*name)(Enum)) {
   return words;
 }
 
+/// `axial`: what the share `oil` of the elastic energy is of, where it is no oil.
+template <class Fields>
+void describe_axial_part(Fields& f, model::LegType& of) {
+  std::string axial{model::axial_part(of)};
+  f.unless(std::string("oil"), "axial", axial);
+  for (const auto type : {model::LegType::cylinder, model::LegType::strut, model::LegType::screw})
+    if (axial == model::axial_part(type)) of = type;
+}
+
 class Writer {
  public:
   static constexpr bool reads = false;

@@ -12,6 +12,7 @@ void describe_parameter(Fields& f, calibration::FittedParameter& p, bool whole) 
   f("paths", p.paths);
   f("unit", p.unit);
   f("start", p.start);
+  f.optional("nominal_range", p.stated);
   if (whole) f.pair("bounds", p.lower, p.upper);
   f("value", p.value);
   f("deviation", p.deviation);

@@ -135,8 +135,13 @@ std::string state_text(const model::MachineFile& file) {
   if (model::leg_type(file.machine) == model::LegType::strut)
     text += "; the legs are plain struts: results are of the rigid-leg model";
   if (model::leg_type(file.machine) == model::LegType::screw)
-    text += "; the legs are electric cylinders: mechanics with locked motors";
+    text += "; the legs are electric cylinders";
   return text;
+}
+
+std::string mechanics_state_text(const model::MachineFile& file) {
+  const bool screws = model::leg_type(file.machine) == model::LegType::screw;
+  return state_text(file) + (screws ? ": mechanics with locked motors" : "");
 }
 
 Json machine_json(const model::MachineFile& file, const std::string& path) {
@@ -187,11 +192,7 @@ void describe(Fields& f, modal::EnergyShares& energy) {
   f.derived("guide_sleeve", energy.guide_sleeve.sum());
   f.derived("piston_ring", energy.piston_ring.sum());
   f("preload", energy.preload);
-  // what `oil` is of where it is no oil
-  std::string axial{model::axial_part(energy.leg_type)};
-  f.unless(std::string("oil"), "axial", axial);
-  for (const auto type : {model::LegType::cylinder, model::LegType::strut, model::LegType::screw})
-    if (axial == model::axial_part(type)) energy.leg_type = type;
+  describe_axial_part(f, energy.leg_type);
   f.object("per_leg", [&](auto& leg) {
     leg("oil", energy.oil);
     leg("guide_sleeve", energy.guide_sleeve);

@@ -27,17 +27,30 @@ constexpr std::array abilities{Ability::force, Ability::velocity, Ability::accel
 constexpr std::array<std::array<const char*, 2>, simulation::ability_count> ability_units{
     {{"N", "N m"}, {"m/s", "rad/s"}, {"m/s^2", "rad/s^2"}, {"m/s^3", "rad/s^3"}, {"m", "rad"}}};
 
-/// Columns that follow those of machine_problem().
+/// Outputs beside those of machine_problem(); a machine has some of them.
 struct Extra {
   enum { power, sag, oil_force, first_ability };
   static constexpr int count = first_ability + 6 * simulation::ability_count;
 };
 
-std::vector<Column> extra_columns() {
+/// What bears the axial force of a leg.
+const char* axial_words(model::LegType type) {
+  switch (type) {
+    case model::LegType::strut:
+      return "of a strut";
+    case model::LegType::screw:
+      return "of the screw of a leg";
+    default:
+      return "of the oil of a leg";
+  }
+}
+
+std::vector<Column> all_extra_columns(model::LegType type) {
   std::vector<Column> columns{
       {"power", "W", "supply pressure above return pressure times the flow of the pump"},
       {"sag", "m", "largest static offset of a rod at its guide sleeve"},
-      {"oil_force", "N", "largest static force of the oil of a leg, pushed or pulled"}};
+      {"oil_force", "N",
+       fmt::format("largest static force {}, pushed or pulled", axial_words(type))}};
   for (std::size_t a = 0; a < abilities.size(); ++a)
     for (std::size_t d = 0; d < 6; ++d)
       columns.push_back(
@@ -46,6 +59,42 @@ std::vector<Column> extra_columns() {
            fmt::format("{} from rest in {}, the smaller of both senses",
                        simulation::name(abilities[a]), spatial::direction_names[d])});
   return columns;
+}
+
+/// Why the machine does not have the output; none: it has.
+std::optional<std::string> why_missing(const model::Machine& machine, int extra) {
+  const auto type = model::leg_type(machine);
+  const auto without = [&](const char* what) {
+    return fmt::format("{}, and {}s have none", what, model::name(type));
+  };
+  const bool screws = type == model::LegType::screw, struts = type == model::LegType::strut;
+  if (extra == Extra::power) {
+    if (screws || struts) return without("is that of the pump");
+    if (machine.hydraulics.supply.pump_flow) return std::nullopt;
+    return "is that of the pump, and the machine file gives no flow of a pump; add --set "
+           "supply.pump_flow=…";
+  }
+  if (extra == Extra::sag && struts) return without("is an offset at guide sleeves");
+  if (extra < Extra::first_ability) return std::nullopt;
+  if (struts) return without("is a limit of drives");
+  if (!screws) return std::nullopt;
+  const auto ability = static_cast<std::size_t>(extra - Extra::first_ability) / 6;
+  if (abilities[ability] == Ability::jerk)
+    return "is not limited: the model has no limit of how fast the torque of a motor changes";
+  const auto is_limited = [](const model::Leg& leg) {
+    return leg.screw->torque_limit && leg.screw->speed_limit;
+  };
+  if (std::ranges::all_of(machine.legs, is_limited)) return std::nullopt;
+  return "needs the limits of every motor; expected legs.screw.torque_limit and "
+         "legs.screw.speed_limit";
+}
+
+/// Numbers of the outputs that the machine has.
+std::vector<int> extras_of(const model::Machine& machine) {
+  std::vector<int> extras;
+  for (int extra = 0; extra < Extra::count; ++extra)
+    if (!why_missing(machine, extra)) extras.push_back(extra);
+  return extras;
 }
 
 double pump_power(const model::Supply& supply) {
@@ -141,9 +190,17 @@ Problem nominal_problem(const DesignProblem& problem, const spatial::Pose& X_BP,
 
 std::vector<Column> design_outputs(const DesignProblem& problem) {
   auto columns = nominal_problem(problem, problem.poses.front().X_BP, true).outputs;
-  const auto extra = extra_columns();
-  columns.insert(columns.end(), extra.begin(), extra.end());
+  const auto all = all_extra_columns(model::leg_type(problem.machine));
+  for (const int extra : extras_of(problem.machine))
+    columns.push_back(all[static_cast<std::size_t>(extra)]);
   return columns;
+}
+
+std::optional<std::string> why_no_output(const model::Machine& machine, std::string_view name) {
+  const auto all = all_extra_columns(model::leg_type(machine));
+  const auto found = std::ranges::find(all, name, &Column::name);
+  if (found == all.end()) return std::nullopt;
+  return why_missing(machine, static_cast<int>(found - all.begin()));
 }
 
 struct DesignModel::Parts {
@@ -153,7 +210,7 @@ struct DesignModel::Parts {
   std::vector<Input> changes{};
   std::vector<Column> columns{};
   std::vector<int> wanted{};
-  int first_extra{};
+  std::vector<int> extras{};  ///< those that stand behind the problem's outputs
   bool statics{}, capability{};
   Problem problem{};
   Model alone{};
@@ -167,8 +224,13 @@ struct DesignModel::Parts {
     std::ranges::fill(outputs, missing);
     for (std::size_t k = 0; k < row.size(); ++k)
       if (column_of[k] >= 0) outputs[static_cast<std::size_t>(column_of[k])] = row[k];
-    if (row[static_cast<std::size_t>(problem.status)] == 0.0)
-      add_extra(values, outputs.subspan(static_cast<std::size_t>(first_extra)));
+    if (row[static_cast<std::size_t>(problem.status)] != 0.0) return;
+    std::array<double, Extra::count> extra{};
+    extra.fill(missing);
+    add_extra(values, extra);
+    const auto own = outputs.last(extras.size());
+    for (std::size_t k = 0; k < extras.size(); ++k)
+      own[k] = extra[static_cast<std::size_t>(extras[k])];
   }
 
   void add_extra(std::span<const double> values, std::span<double> extra) const {
@@ -200,10 +262,12 @@ DesignModel::DesignModel(const DesignProblem& problem, const model::NamedPose& p
   parts.changes = problem.changes;
   parts.columns = problem.outputs;
   parts.wanted = std::move(wanted);
-  parts.first_extra = static_cast<int>(problem.outputs.size()) - Extra::count;
+  parts.extras = extras_of(problem.machine);
+  const auto first_extra = static_cast<int>(problem.outputs.size() - parts.extras.size());
   bool buckling = false;
   for (const int column : parts.wanted) {
-    const int extra = column - parts.first_extra;
+    const int extra =
+        column < first_extra ? -1 : parts.extras[static_cast<std::size_t>(column - first_extra)];
     buckling = buckling || problem.outputs[static_cast<std::size_t>(column)].name == "buckling";
     parts.statics = parts.statics || extra == Extra::sag || extra == Extra::oil_force;
     parts.capability = parts.capability || extra >= Extra::first_ability;

@@ -22,7 +22,9 @@ LegCheck check_leg(const model::Leg& leg, double length, const kinematics::Joint
   LegCheck result{.length = length, .piston = length - leg.rod.length};
   result.guided_length = leg.guide_sleeve.position - result.piston;
   result.oil_stiffness = hydraulics::oil_stiffness(leg, result.piston);
-  if (leg.strut) result.piston = result.guided_length = std::numeric_limits<double>::quiet_NaN();
+  if (leg.strut)
+    result.piston = result.guided_length = result.largest_push = result.largest_pull =
+        std::numeric_limits<double>::quiet_NaN();
   result.base_tilt = angles.base_tilt;
   result.platform_tilt = angles.platform_tilt;
   if (leg.stroke) {
@@ -86,7 +88,7 @@ void add_buckling(const model::Machine& machine, dynamics::ModelKind kind, PoseC
   result.buckling = dynamics::buckling_payload(machine, result.pose.X_BP, kind);
   if (result.buckling.status != dynamics::BucklingStatus::found) return;
   model::Machine loaded = machine;
-  loaded.damping.oil = model::OilDamping::viscous;  // as in the search
+  loaded.damping.oil = model::OilDamping::viscous;                        // as in the search
   const double just_below = 1.0 - dynamics::BucklingOptions{}.tolerance;  // of the bracketed load
   loaded.platform.mass = just_below * (machine.platform.mass + result.buckling.payload);
   auto model = dynamics::linear_model(loaded, result.pose.X_BP, kind, &result.buckling.last);

@@ -198,10 +198,11 @@ Side machine_side(const Wanted& wanted, const CompareOptions& options, Observed 
   side.frame = {of, machine.pose.X_BP, kinematics::mass_center(of, machine.pose.X_BP)};
   side.thing = {.kind = ThingKind::machine,
                 .name = wanted.text,
-                .description = fmt::format("{}, pose {}, {} model of the {}; machine: {}", of.name,
-                                           machine.pose.name, dynamics::name(machine.kind),
-                                           observation::description(observed),
-                                           report::state_text(machine.file))};
+                .description = fmt::format(
+                    "{}, pose {}, {} model of the {}; machine: {}", of.name, machine.pose.name,
+                    dynamics::name(machine.kind), observation::description(observed),
+                    observed == Observed::mechanics ? report::mechanics_state_text(machine.file)
+                                                    : report::state_text(machine.file))};
   side.modal.outputs = platform_outputs();
   if (observed == Observed::mechanics) {
     add_mechanics(tasks::modes(machine), side);

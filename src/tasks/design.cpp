@@ -33,6 +33,24 @@ study::Input change_of(const Machine& machine, const Varied& varied) {
   return change;
 }
 
+/// Throws base::InputError for an output that other machines have.
+void require_output(const study::DesignProblem& problem, std::string_view name,
+                    const std::string& place) {
+  const auto why = study::why_no_output(problem.machine, name);
+  if (!why) return;
+  std::vector<std::string_view> names;
+  for (const auto& one : problem.outputs) names.push_back(one.name);
+  base::refuse(place, fmt::format("{} {}; outputs of this machine are {}", name, *why,
+                                  fmt::join(names, ", ")));
+}
+
+study::Requirement requirement_of(const study::DesignProblem& problem, const std::string& text) {
+  const auto place = "--want \"" + text + "\"";
+  require_output(problem, base::trimmed(std::string_view(text).substr(0, text.find_first_of("<>"))),
+                 place);
+  return study::read_requirement(text, problem.outputs, place);
+}
+
 study::Aim aim_of(const study::DesignProblem& problem, const WantedAim& wanted) {
   const std::string word = wanted.maximise ? "maximise" : "minimise";
   const std::string place = "--" + word + " " + wanted.name;
@@ -46,6 +64,7 @@ study::Aim aim_of(const study::DesignProblem& problem, const WantedAim& wanted) 
   }
   const auto output = std::ranges::find(problem.outputs, wanted.name, &study::Column::name);
   if (output == problem.outputs.end()) {
+    require_output(problem, wanted.name, place);
     std::vector<std::string_view> names;
     for (const auto& one : problem.outputs) names.push_back(one.name);
     for (const auto& one : problem.changes) names.push_back(one.name);
@@ -59,20 +78,6 @@ study::Aim aim_of(const study::DesignProblem& problem, const WantedAim& wanted) 
   aim.output = static_cast<int>(output - problem.outputs.begin());
   aim.unit = output->unit;
   return aim;
-}
-
-/// Throws base::InputError where the pump's power is asked for and there is no flow.
-void check_power(const Machine& machine, const study::DesignProblem& problem) {
-  const auto is_power = [&](int column) {
-    return column >= 0 && problem.outputs[static_cast<std::size_t>(column)].name == "power";
-  };
-  const bool asked =
-      std::ranges::any_of(problem.requirements, is_power, &study::Requirement::output) ||
-      std::ranges::any_of(problem.aims, is_power, &study::Aim::output);
-  if (asked && !machine.file.machine.hydraulics.supply.pump_flow)
-    base::refuse("power",
-                 "is that of the pump, and the machine file gives no flow of a pump; "
-                 "add --set supply.pump_flow=…");
 }
 
 /// What the written file says, at every pose. Requirements that it misses make the best design
@@ -126,16 +131,12 @@ DesignJob prepare_design(const Machine& machine, const DesignOptions& options) {
     throw std::invalid_argument("prepare_design: expected changes, and one aim or two");
   problem.outputs = study::design_outputs(problem);
   for (const auto& text : options.want)
-    gather([&] {
-      problem.requirements.push_back(
-          study::read_requirement(text, problem.outputs, "--want \"" + text + "\""));
-    });
+    gather([&] { problem.requirements.push_back(requirement_of(problem, text)); });
   for (const auto& aim : options.aims)
     gather([&] { problem.aims.push_back(aim_of(problem, aim)); });
   if (!errors.empty()) throw base::InputError(errors);
   if (problem.aims.size() == 2 && problem.aims[0].name == problem.aims[1].name)
     base::refuse("--minimise " + problem.aims[0].name, "is an aim twice");
-  check_power(machine, problem);
   return job;
 }
 

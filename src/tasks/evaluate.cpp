@@ -232,7 +232,7 @@ Given given_by(const Machine& machine, const ParametersFile& file,
   return given;
 }
 
-std::vector<int> columns_asked(const ParametersFile& file,
+std::vector<int> columns_asked(const ParametersFile& file, const model::Machine& machine,
                                const std::vector<study::Column>& outputs,
                                const std::vector<std::string>& names) {
   if (!names.empty() && names.size() != file.requests.size())
@@ -245,6 +245,11 @@ std::vector<int> columns_asked(const ParametersFile& file,
     if (at == outputs.end()) {
       std::vector<std::string_view> known;
       for (const auto& output : outputs) known.push_back(output.name);
+      const auto why = study::why_no_output(machine, name);
+      if (why)
+        refuse_at(file.path, file.requests[k],
+                  fmt::format("{} {}; outputs of this machine are {}", name, *why,
+                              fmt::join(known, ", ")));
       refuse_at(file.path, file.requests[k],
                 fmt::format("'{}' is no output; name them with --function NAME, one for each "
                             "function; outputs are {}",
@@ -298,7 +303,7 @@ Evaluation evaluate(const Machine& machine, const EvaluateOptions& options) {
     return result;
   };
   problem.outputs = study::design_outputs(problem);
-  const auto columns = columns_asked(file, problem.outputs, options.outputs);
+  const auto columns = columns_asked(file, problem.machine, problem.outputs, options.outputs);
   const auto by = derivative_variables(file);
   study::DesignModel model(problem, machine.pose, columns);
   std::vector<double> outputs(problem.outputs.size());

@@ -104,9 +104,11 @@ Diagnosed diagnose(const Machine& given, const DiagnoseOptions& options, const P
   take_stated_poses(options.measured, result.machine);
   add_pose(file, pose, "as_measured");
   auto& found = result.file;
-  found = {.machine = file.machine, .kind = kind, .pose = pose.name, .goal = options.goal};
-  for (const auto& leg : file.machine.legs)
-    found.nominal_sleeve = std::max(found.nominal_sleeve, leg.guide_sleeve.stiffness);
+  found = {.machine = file.machine,
+           .nominal_sleeves = diagnosis::sleeves_of(file.machine),
+           .kind = kind,
+           .pose = pose.name,
+           .goal = options.goal};
   const auto poses = options.poses.empty() ? file.machine.poses : options.poses;
   if (!options.measured.files.empty()) {
     auto measured =

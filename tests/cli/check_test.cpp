@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "support/json_fields.hpp"
+#include "support/other_legs.hpp"
 
 namespace hydrapod {
 namespace {
@@ -68,6 +69,12 @@ TEST(Check, SaysWhatSimulationAssumes) {
                     HasSubstr("  legs.equivalent_cylinder: A_p = 6.99 cm^2 (a sixth of the supply "
                               "pressure carries the platform), e = 0.5, 0.158 l in both chambers"),
                     HasSubstr("  legs.valve.rated_flow: 21 l/min at full opening")));
+  // the area that carries the platform has chambers that are shorter than this stroke
+  const auto roomy = run_hydrapod({"check", published_model, "--set",
+                                   "legs.stroke={ retracted = 0.4, length = 0.2 }", "--set",
+                                   "legs.equivalent_cylinder.bulk_modulus=0.3 GPa"});
+  EXPECT_THAT(roomy.out, AllOf(HasSubstr("A_p = 11.3 cm^2 (chambers as long as the stroke; "),
+                               Not(HasSubstr("supply pressure carries the platform"))));
   const auto json = json_of({"check", published_model, "--format", "json", "--set",
                              "leg.2.valve.rated_flow=30 l/min", "--set",
                              "legs.friction={ coulomb = 90, viscous = 0 }"});
@@ -350,7 +357,7 @@ TEST(Check, IsNotSoundWhereThePumpDoesNotCoverTheLeakage) {
   const auto weak = of_flow("1 l/min");
   EXPECT_EQ(weak.exit_code, 1);
   EXPECT_EQ(weak.err, "error: the machine is not sound\n");
-  EXPECT_THAT(weak.out, AllOf(HasSubstr("oil spring N/µm"),
+  EXPECT_THAT(weak.out, AllOf(HasSubstr("oil spring N/µm"), HasSubstr("First resonance: "),
                               HasSubstr("warning: the pump gives 1 l/min, and the valves leak "),
                               HasSubstr("\nNot sound: the pump gives 1 l/min and the valves leak "),
                               testing::EndsWith(" l/min at pose low.\n")));
@@ -358,6 +365,28 @@ TEST(Check, IsNotSoundWhereThePumpDoesNotCoverTheLeakage) {
   const double leakage = std::stod(weak.out.substr(at + std::string("the valves leak ").size()));
   EXPECT_EQ(of_flow((std::to_string(1.01 * leakage) + " l/min").c_str()).exit_code, 0);
   EXPECT_EQ(of_flow((std::to_string(0.99 * leakage) + " l/min").c_str()).exit_code, 1);
+}
+
+/// The picture that is not drawn has the reason of the table.
+TEST(Check, PictureIsRefusedForTheReasonThatThereIs) {
+  const auto drawn = [](const std::string& model, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"check", model, "--plot", "never.svg"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_hydrapod(arguments);
+  };
+  const std::string none = "error: pose low: no picture of what the machine can do: ";
+  const auto pump = drawn(heavy_model, {"--pose", "low", "--set", "supply.pump_flow=1 l/min"});
+  EXPECT_EQ(pump.exit_code, 1);
+  EXPECT_THAT(pump.err, HasSubstr(none + "the pump gives 1 l/min, and the valves leak "));
+  const auto supply = drawn(heavy_model, {"--pose", "low", "--set", "supply.pressure=20 bar"});
+  EXPECT_EQ(supply.exit_code, 1);
+  EXPECT_THAT(supply.err, AllOf(HasSubstr(none), HasSubstr("supply"), Not(HasSubstr("motors"))));
+  const test::TemporaryFolder folder;
+  const auto screws = (folder / "screws.toml").string();
+  auto text = test::screw_file;
+  text.erase(text.find("torque_limit"), text.find("speed_limit") - text.find("torque_limit"));
+  test::write_text(screws, text);
+  EXPECT_THAT(drawn(screws, {}).err, HasSubstr("the motors have no limits; expected legs.screw"));
 }
 
 TEST(Check, SaysWhenFrictionHoldsTheLegs) {

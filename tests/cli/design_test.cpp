@@ -4,10 +4,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "support/other_legs.hpp"
 #include "support/run_program.hpp"
 
 namespace hydrapod {
@@ -114,6 +116,31 @@ TEST(DesignCommand, RefusesWhatItCannotUnderstand) {
     EXPECT_THAT(run.err, HasSubstr(message)) << testing::PrintToString(arguments);
     EXPECT_EQ(run.out, "");
   }
+}
+
+/// Before the search: no design would have a value.
+TEST(DesignCommand, RefusesOutputsThatOtherMachinesHave) {
+  const test::TemporaryFolder folder;
+  const auto screws = (folder / "screws.toml").string(), struts = (folder / "struts.toml").string();
+  test::write_text(screws, test::screw_file);
+  test::write_text(struts, test::strut_file);
+  const std::vector<std::array<std::string, 3>> wrong{
+      {screws, "power", "power is that of the pump, and electric cylinders have none"},
+      {screws, "jerk_x", "jerk_x is not limited"},
+      {struts, "power", "power is that of the pump, and plain struts have none"},
+      {struts, "sag", "sag is an offset at guide sleeves, and plain struts have none"},
+      {struts, "velocity_z", "velocity_z is a limit of drives, and plain struts have none"}};
+  for (const auto& [file, output, message] : wrong)
+    for (const bool wanted : {true, false}) {
+      std::vector<std::string> arguments{"design",     file,
+                                         "--change",   "platform.mass=800:1200 kg",
+                                         "--maximise", wanted ? "platform.mass" : output};
+      if (wanted) arguments.insert(arguments.end(), {"--want", output + " >= 1"});
+      const auto run = test::run_hydrapod(arguments);
+      EXPECT_EQ(run.exit_code, 2) << output << run.out;
+      EXPECT_THAT(run.err, AllOf(HasSubstr(message), HasSubstr("outputs of this machine are"),
+                                 HasSubstr("oil_force")));
+    }
 }
 
 /// Dakota's files (Reference Manual, parameters file format).

@@ -16,6 +16,7 @@ namespace hydrapod {
 namespace {
 
 using test::run_hydrapod;
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -41,6 +42,9 @@ TEST_F(OtherLegs, CheckOfStrutsHasNeitherOilNorStroke) {
   EXPECT_THAT(result.out, HasSubstr("Sound at all 2 poses."));
   for (const char* word : {"oil", "piston", "stroke", "hydraulics", "column", "Buckling"})
     EXPECT_THAT(result.out, Not(HasSubstr(word)));
+  const auto json = nlohmann::json::parse(run({"check", "struts.toml", "--format", "json"}).out);
+  for (const char* of_oil : {"largest_push_N", "largest_pull_N"})
+    EXPECT_TRUE(json["poses"][0]["legs"][0][of_oil].is_null()) << of_oil;
 }
 
 TEST_F(OtherLegs, ModesOfStrutsSayWhichModelTheyAreOf) {
@@ -69,6 +73,10 @@ TEST_F(OtherLegs, OtherCommandsOfMechanicsWorkWithStruts) {
     const auto result = run(arguments);
     EXPECT_EQ(result.exit_code, 0) << arguments[0] << ": " << result.err;
   }
+  const auto nastran = run({"export", "struts.toml", "--to", "dmig", "-o", "struts.pch"});
+  EXPECT_EQ(nastran.exit_code, 0) << nastran.err;
+  EXPECT_THAT(nastran.out, AllOf(HasSubstr("struts"), Not(HasSubstr("oil"))));
+  EXPECT_THAT(test::read_text(folder_ / "struts.pch"), Not(HasSubstr("oil")));
 }
 
 TEST_F(OtherLegs, WhatNeedsHydraulicsIsRefused) {
@@ -127,16 +135,23 @@ TEST_F(OtherLegs, ModesOfScrewsAreOfHeldOrOfFreeMotors) {
   EXPECT_EQ(held.exit_code, 0) << held.err;
   EXPECT_THAT(held.out, HasSubstr("the legs are electric cylinders: mechanics with locked motors"));
   EXPECT_THAT(held.out, HasSubstr("screws of"));
+  EXPECT_THAT(held.out, Not(HasSubstr("includes")));
+  const auto soft = run({"modes", "screws.toml", "--set", "legs.gimbal_stiffness=300 N/um"});
+  EXPECT_THAT(soft.out, HasSubstr("\nelastic energy of screws includes that of gimbals in series "
+                                  "(legs.gimbal_stiffness)\n"));
   const auto free = run({"modes", "screws.toml", "--open-loop"});
   EXPECT_EQ(free.exit_code, 0) << free.err;
   EXPECT_THAT(free.out, HasSubstr("with free motors"));
   EXPECT_THAT(free.out, HasSubstr("motors"));
   EXPECT_THAT(free.out, Not(HasSubstr("held at")));
+  EXPECT_THAT(free.out, Not(HasSubstr("locked motors")));
   const auto closed = run({"modes", "screws.toml", "--system"});
   EXPECT_EQ(closed.exit_code, 0) << closed.err;
   EXPECT_THAT(closed.out, HasSubstr("with electric drives and controller"));
   EXPECT_THAT(closed.out, HasSubstr("motors by friction and speed loops"));
   EXPECT_THAT(closed.out, HasSubstr("stable: "));
+  EXPECT_THAT(closed.out, AllOf(HasSubstr("the legs are electric cylinders\n"),
+                                Not(HasSubstr("locked motors"))));
 }
 
 TEST_F(OtherLegs, ScrewsAreSimulatedWithTheirDrives) {
@@ -145,6 +160,7 @@ TEST_F(OtherLegs, ScrewsAreSimulatedWithTheirDrives) {
   EXPECT_EQ(step.exit_code, 0) << step.err;
   EXPECT_THAT(step.out, HasSubstr("peak torque N m"));
   EXPECT_THAT(step.out, HasSubstr("no feedback"));
+  EXPECT_THAT(step.out, Not(HasSubstr("locked motors")));
   EXPECT_THAT(step.out, HasSubstr("motors by friction and speed loops"));
   const auto record = test::read_text(folder_ / "step.csv");
   for (const char* channel : {"leg1.nut", "leg3.motor_speed", "leg6.torque", "leg2.screw_force"})

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
+#include "hydrapod/dynamics/linear_model.hpp"
 #include "support/run_program.hpp"
 
 namespace hydrapod {
@@ -112,6 +113,13 @@ TEST(Studies, SweepAndMapGoThroughTheirGrids) {
       {"sweep", machine, "--over", "legs.guide_sleeve.stiffness=1:4:4 kN/mm", "--csv",
        (folder / "sweep.csv").string(), "--results", (folder / "sweep.h5").string()});
   ASSERT_EQ(sweep.exit_code, 0) << sweep.err;
+  const auto followed = [&](int modes) {
+    return test::run_hydrapod(
+        {"sweep", machine, "--over", "legs.guide_sleeve.stiffness=1:4:4 kN/mm", "--modes",
+         fmt::format("{}", modes), "--results", (folder / fmt::format("{}.h5", modes)).string()});
+  };
+  EXPECT_EQ(followed(dynamics::max_dof).exit_code, 0);
+  EXPECT_EQ(followed(dynamics::max_dof + 1).exit_code, 2);
   const auto csv = test::read_text(folder / "sweep.csv");
   EXPECT_THAT(csv, HasSubstr("legs.guide_sleeve.stiffness [N/m],status [1],lowest [Hz]"));
   EXPECT_EQ(std::ranges::count(csv, '\n'), 5);

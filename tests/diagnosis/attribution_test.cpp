@@ -209,6 +209,26 @@ TEST(Remedy, StiffnessPutIntoTheMachineGivesThePromisedDrop) {
   EXPECT_EQ(where, found.pose);
 }
 
+/// One factor on all sleeves keeps the differences between legs: softest and stiffest are stated.
+TEST(Remedy, SaysTheRangeOfSleevesThatDiffer) {
+  const auto machine =
+      heavy({"legs.guide_sleeve.stiffness=900 kN/m", "leg.1.guide_sleeve.stiffness=1.2 MN/m"});
+  CaseFile file{.machine = machine,
+                .nominal_sleeves = sleeves_of(machine),
+                .kind = ModelKind::guide,
+                .pose = "neutral",
+                .goal = {.drop = 0.02}};
+  file.remedy = find_remedy(machine, machine.poses, ModelKind::guide, file.goal);
+  ASSERT_EQ(file.remedy->status, RemedyStatus::found);
+  const double factor = file.remedy->needed.factor;
+  EXPECT_DOUBLE_EQ(file.remedy->needed.stiffness, factor * 1.2e6);
+  EXPECT_DOUBLE_EQ(file.remedy->needed.softest.value(), factor * 0.9e6);
+  EXPECT_THAT(report::summary(file),
+              testing::Contains(testing::HasSubstr(
+                  "that of the nominal machine, 900 kN/m to 1.2 MN/m; highest")));
+  EXPECT_FALSE(sleeves_of(heavy()).softest);
+}
+
 TEST(Remedy, SaysTheLowestResonanceAndTheLargestDropOfToday) {
   const auto machine = heavy();
   const auto found = find_remedy(machine, machine.poses, ModelKind::guide, {.drop = 0.02});

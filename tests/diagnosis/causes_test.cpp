@@ -102,6 +102,37 @@ TEST(Suspects, BeginNearTheMachineAsStated) {
 
 /// A block of 2.3 m × 1.7 m × 0.9 m: its radii of gyration about its axes have the mean square
 /// (a² + b² + c²)/18.
+/// The value of leg 1 is not that of the others where leg 1 has one of its own.
+TEST(Suspects, BeginAtTheValueOfTheLegsThatTheySet) {
+  const auto text = test::read_text(test::source_file("models/heavy-platform.toml"));
+  const auto start_of = [&](Cause::Kind kind, const std::vector<std::string>& values) {
+    const auto all = causes_of(test::machine_file(text, values));
+    const auto found = std::ranges::find_if(
+        all, [&](const Cause& cause) { return cause.kind == kind && !cause.leg; });
+    return std::get<double>(*found->free.front().start);
+  };
+  using Kind = Cause::Kind;
+  EXPECT_DOUBLE_EQ(
+      start_of(Kind::gimbals, {"legs.gimbal_stiffness=900 MN/m", "leg.1.gimbal_stiffness=2 GN/m"}),
+      900e6);
+  EXPECT_DOUBLE_EQ(start_of(Kind::sticking_seals,
+                            {"legs.stick_stiffness=700 kN/m", "leg.1.stick_stiffness=900 kN/m"}),
+                   700e3);
+  EXPECT_DOUBLE_EQ(start_of(Kind::oil_lines, {"legs.added_axial_inertia=300 kg",
+                                              "leg.1.added_axial_inertia=500 kg"}),
+                   300.0);
+  // without one the others begin at a usual value, which the model is given first
+  const auto file = test::machine_file(text, {"leg.1.gimbal_stiffness=2 GN/m"});
+  for (const auto& cause : causes_of(file)) {
+    if (cause.kind != Kind::gimbals || cause.leg) continue;
+    ASSERT_EQ(cause.changes.size(), 1U);
+    const auto machine = model::with(file.machine, cause.changes);
+    EXPECT_DOUBLE_EQ(machine.legs[0].gimbal_stiffness.value(), 2e9);
+    EXPECT_DOUBLE_EQ(machine.legs[1].gimbal_stiffness.value(),
+                     std::get<double>(*cause.free.front().start));
+  }
+}
+
 TEST(Suspects, LookForTheMassCentreWithinARadiusOfGyration) {
   auto file = test::machine_file(test::read_text(test::source_file("models/heavy-platform.toml")));
   auto& platform = file.machine.platform;

@@ -7,6 +7,7 @@
 
 #include "blind_series.hpp"
 #include "hydrapod/base/error.hpp"
+#include "hydrapod/base/units.hpp"
 #include "hydrapod/modal/normal_modes.hpp"
 
 namespace hydrapod::diagnosis {
@@ -63,6 +64,44 @@ TEST(Diagnose, BlamesNothingWhereNothingIsWrong) {
           .diagnosis;
   EXPECT_EQ(d.finding, Finding::nothing_to_blame);
   EXPECT_EQ(d.scatter, 1.0);
+}
+
+/// The frequency of rz asks for more moment of inertia about z than about x and y together, which
+/// no body has.
+TEST(Diagnose, ListsTheCausesThatWereNotTested) {
+  const auto file =
+      test::machine_file(test::read_text(test::source_file("models/heavy-platform.toml")));
+  observation::Targets targets{.deviations_given = true};
+  for (const auto& [hertz, direction] :
+       {std::pair{6.112, 0}, std::pair{6.118, 1}, std::pair{7.371, 4}, std::pair{7.567, 3},
+        std::pair{5.5, 5}, std::pair{8.940, 2}}) {
+    const double omega = base::two_pi * hertz;
+    targets.modes.push_back({.name = direction_name(direction),
+                             .pose = "neutral",
+                             .omega = omega,
+                             .deviation = 1e-3 * omega,
+                             .direction = direction});
+  }
+  const auto d = diagnose(file, targets, ModelKind::rigid, file.machine.poses);
+  const auto name = [&](const Untested& one) {
+    return report::hypothesis_name(d, {.causes = one.causes});
+  };
+  const auto is_inertia = [&](const Untested& one) { return name(one) == "platform inertia"; };
+  EXPECT_EQ(test::find(d, "platform inertia"), nullptr);
+  const auto inertia = std::ranges::find_if(d.untested, is_inertia);
+  ASSERT_NE(inertia, d.untested.end());
+  EXPECT_FALSE(inertia->error.empty());
+  for (const auto& one : d.untested)  // nothing else is to be said of pairs with it
+    EXPECT_TRUE(one.causes.size() == 1 ||
+                std::ranges::count(one.causes, inertia->causes.front()) == 0)
+        << name(one);
+  EXPECT_THAT(report::note_words(d),
+              testing::Contains(testing::AllOf(testing::StartsWith("not tested: platform inertia"),
+                                               testing::EndsWith(": " + inertia->error))));
+  EXPECT_THAT(report::summary({.diagnosis = d}),
+              testing::Contains(testing::StartsWith("Not tested: platform inertia")));
+  test::expect_round_trip_of({.diagnosis = d});
+  for (const auto& one : diagnosis_of(measured({})).untested) ADD_FAILURE() << one.error;
 }
 
 /// A file that states its soft sleeves explains the drop by itself.

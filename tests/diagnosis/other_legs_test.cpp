@@ -52,6 +52,8 @@ TEST(DiagnoseScrews, FindsTheOneThatIsSofter) {
   const auto d = diagnosed(screw_file, ModelKind::guide, {"leg.3.screw.stiffness=52 N/um"}, 53);
   EXPECT_THAT(names_of(d), testing::Contains("screw of leg 3")) << verdict(d);
   for (const auto& name : names_of(d)) EXPECT_THAT(name, testing::EndsWith("of leg 3"));
+  for (const auto& mode : d.modes) EXPECT_EQ(mode.leg_type, model::LegType::screw);
+  expect_round_trip_of({.diagnosis = d});
 }
 
 TEST(DiagnoseScrews, FindsSoftSeals) {
@@ -98,6 +100,9 @@ TEST(DiagnoseLegsThatDiffer, FindsWhatIsCommonToLegsWithValuesOfTheirOwn) {
   const auto& found = sleeves->fit.parameters[0];
   EXPECT_EQ(found.paths.size(), 6U);
   EXPECT_NEAR(found.value, 1.23e6, 4.0 * found.deviation);
+  EXPECT_THAT(report::parameter_words(*sleeves),
+              testing::ElementsAre(testing::HasSubstr("(nominal 840.1 kN/m to 840.6 kN/m)")));
+  expect_round_trip_of({.diagnosis = d});
 }
 
 /// Who calculates with rigid legs learns what their sleeves are.

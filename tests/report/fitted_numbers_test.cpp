@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 
@@ -22,6 +23,7 @@ calibration::FittedParameter parameter(double first) {
           .start = first + 0.01,
           .lower = first + 0.02,
           .upper = first + 0.03,
+          .stated = std::array{first + 0.031, first + 0.032},
           .value = first + 0.04,
           .deviation = first + 0.05,
           .interval_low = first + 0.06,
@@ -33,6 +35,7 @@ calibration::FittedParameter parameter(double first) {
 
 Json parameter_json(double first, bool whole) {
   Json json{{"start", first + 0.01},
+            {"nominal_range", {first + 0.031, first + 0.032}},
             {"value", first + 0.04},
             {"deviation", first + 0.05},
             {"interval_95", {first + 0.06, first + 0.07}}};
@@ -209,6 +212,7 @@ diagnosis::Diagnosis diagnosed() {
   for (const auto kind :
        {Kind::resonances, Kind::frequency, Kind::shape, Kind::drives, Kind::forces, Kind::value})
     d.hypotheses[0].wrong.push_back(contradiction(kind));
+  d.untested = {{.causes = {1}, .error = "no modes"}};
   d.discriminators = {{.other = 1,
                        .pose = "low",
                        .direction = 5,
@@ -258,7 +262,8 @@ TEST(NumbersInJson, OfADiagnosis) {
       hertz({{"missed", 0.54}}),
       hertz({{"difference_hz", 0.52}, {"value", 5.5}, {"deviation", 0.56}})};
   expect_numbers(json,
-                 {{"nominal_sleeve_N_m", 0.0},
+                 {{"untested", Json::array({{{"causes", Json::array({{{"leg", 5}}})}}})},
+                  {"nominal_sleeve_N_m", 0.0},
                   {"response_lines", Json::array({{{"frequency_hz", {7.1, 7.2}}, {"values", 0}}})},
                   {"measured_values", 29},
                   {"raw_reduced_misfit", 3.0 * 3.0 + 4.0 * 4.0},
@@ -286,12 +291,32 @@ TEST(NumbersInJson, OfADiagnosis) {
   EXPECT_NEAR(d.modes[0].drop(), 1.0 - 6.1 / 6.6, 1e-12);
   EXPECT_EQ(json["measured_modes"][0]["direction"], "rx");
   EXPECT_EQ(json["measured_modes"][0]["resonance"], true);
+  EXPECT_FALSE(json["measured_modes"][0]["strain_energy"].contains("axial"));
+  auto screws = d;
+  screws.modes[0].leg_type = model::LegType::screw;
+  EXPECT_EQ(
+      report::diagnosis_json({.diagnosis = screws})["measured_modes"][0]["strain_energy"]["axial"],
+      "screws");
   EXPECT_EQ(json["discriminators"][0]["direction"], "rz");
+}
+
+TEST(Summary, KnowsResonancesThatComeFromThePayload) {
+  auto d = diagnosed();
+  auto& mode = d.modes[0];
+  mode.oil = mode.guide_sleeves = 0.2;
+  mode.piston_rings = mode.base = 0.0;
+  mode.payload = 0.6;
+  const auto words = report::summary({.diagnosis = d});
+  EXPECT_EQ(std::ranges::count(words,
+                               "From the modes of the payload comes the resonance in rx at "
+                               "6.10 Hz."),
+            1);
 }
 
 TEST(NumbersInJson, OfAttributionAndRemedy) {
   using namespace diagnosis;
-  CaseFile file{.fitted = true, .nominal_sleeve = 7.3, .pose = "neutral"};
+  CaseFile file{
+      .fitted = true, .nominal_sleeves = {.stiffest = 7.3, .softest = 7.2}, .pose = "neutral"};
   AttributedDrop drop;
   drop.resonance = {
       .direction = "ry", .omega_rigid = two_pi * 2.2, .omega = two_pi * 1.9, .mac = 0.87};
@@ -304,13 +329,15 @@ TEST(NumbersInJson, OfAttributionAndRemedy) {
     return RemedyPoint{.factor = first + 0.1,
                        .stiffness = first + 0.2,
                        .omega = two_pi * (first + 0.3),
-                       .drop = first + 0.4};
+                       .drop = first + 0.4,
+                       .softest = first + 0.15};
   };
   const auto point_json = [](double first) {
     return Json{{"factor", first + 0.1},
                 {"stiffness_N_m", first + 0.2},
                 {"frequency_hz", first + 0.3},
-                {"drop", first + 0.4}};
+                {"drop", first + 0.4},
+                {"softest_N_m", first + 0.15}};
   };
   remedy.today = point(1.0);
   remedy.needed = point(2.0);
@@ -325,6 +352,7 @@ TEST(NumbersInJson, OfAttributionAndRemedy) {
   expect_numbers(
       report::diagnosis_json(file),
       {{"nominal_sleeve_N_m", 7.3},
+       {"softest_nominal_sleeve_N_m", 7.2},
        {"attribution",
         Json::array(
             {{{"rigid_hz", 2.2},

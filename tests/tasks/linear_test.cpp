@@ -111,6 +111,17 @@ TEST(RoundTrip, Bode) {
                     report::bode_json);
 }
 
+/// A base and modes of the payload add to the 30 modes of legs with piston rings.
+TEST(ReadBode, TakesEveryModeThatAModelMayHave) {
+  auto json = report::bode_json(tasks::bode(heavy(), {.points = 500}));
+  ASSERT_FALSE(json["peaks"].empty());
+  auto& mode = json["peaks"][0]["mode"];
+  mode = dynamics::max_dof;
+  EXPECT_EQ(report::bode_from_json(json, "bode.json").real_peaks[0].mode, dynamics::max_dof - 1);
+  mode = dynamics::max_dof + 1;
+  EXPECT_THROW(report::bode_from_json(json, "bode.json"), base::InputError);
+}
+
 TEST(RoundTrip, System) {
   for (const bool closed : {true, false})
     expect_round_trip(report::system_json(tasks::system(heavy(), {.closed = closed})),

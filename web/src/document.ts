@@ -173,10 +173,10 @@ export interface PoseCheck {
     extend_left_m?: number;
     cap_pressure_Pa?: number | null;
     rod_pressure_Pa?: number | null;
-    /** null of a strut */
+    /** null of a strut, as the largest forces */
     piston_m: number | null;
-    largest_push_N: number;
-    largest_pull_N: number;
+    largest_push_N: number | null;
+    largest_pull_N: number | null;
     /** Of electric cylinders. */
     holding_torque_N_m?: number;
     torque_limit_N_m?: number;
@@ -363,6 +363,8 @@ export interface DiagnosedMode {
   drop: number;
   strain_energy: {
     oil: number;
+    /** What `oil` is of where it is no oil. */
+    axial?: string;
     guide_sleeve: number;
     piston_ring: number;
     base_mount: number;
@@ -391,7 +393,9 @@ export interface Hypothesis {
 
 interface RemedyPoint {
   factor: number;
+  /** Of the stiffest leg; `softest_N_m` of the softest where legs differ. */
   stiffness_N_m: number;
+  softest_N_m?: number;
   frequency_hz: number;
   drop: number;
 }

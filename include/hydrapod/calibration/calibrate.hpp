@@ -164,9 +164,11 @@ struct FittedParameter {
   std::vector<std::string> paths{};
   std::string unit{};
   double start{}, lower{}, upper{};  ///< [unit]
-  double value{};                    ///< [unit]
-  double deviation{};                ///< standard deviation [unit], prior included; inf: free
-  double interval_low{};             ///< 95 %, [unit]
+  /// Least and greatest value that the machine file states for the paths, where they differ [unit].
+  std::optional<std::array<double, 2>> stated{};
+  double value{};         ///< [unit]
+  double deviation{};     ///< standard deviation [unit], prior included; inf: free
+  double interval_low{};  ///< 95 %, [unit]
   double interval_high{};
   double data_deviation{};  ///< of the data alone [unit]; inf: free
   Verdict verdict{};

@@ -286,6 +286,12 @@ struct Substitution {
   std::string error{};  ///< of the nominal machine with its hydraulics; empty: too few modes
 };
 
+/// Causes that were not tested: no machine with modes, or no plant, has their numbers.
+struct Untested {
+  std::vector<std::size_t> causes{};  ///< indices into Diagnosis::causes; one, or a pair
+  std::string error{};
+};
+
 /// A measured mode, and where the best hypothesis says that it comes from.
 struct MeasuredMode {
   std::string pose{};
@@ -300,8 +306,9 @@ struct MeasuredMode {
   bool resonance{};
   /// What the mode of the best hypothesis mostly does, where that contradicts `direction`; else −1.
   int mode_direction{-1};
-  /// Shares of the elastic energy.
+  /// Shares of the elastic energy; `oil` is that of the axial springs of the legs.
   double oil{}, guide_sleeves{}, piston_rings{}, base{}, payload{}, bending{};
+  model::LegType leg_type{};  ///< whose axial springs they are
   /// 1 − ω/ω_rigid, of what was measured.
   [[nodiscard]] double drop() const { return omega_rigid > 0.0 ? 1.0 - omega / omega_rigid : 0.0; }
 };
@@ -321,6 +328,8 @@ struct Diagnosis {
   std::optional<Substitution> substitution{};
   std::vector<Cause> causes{};
   std::vector<Hypothesis> hypotheses{};  ///< best first
+  /// Single causes, and pairs of causes each of which was tested alone.
+  std::vector<Untested> untested{};
   std::vector<std::size_t>
       equivalent{};  ///< those that the data cannot tell from the best, it first
   std::vector<Discriminator> discriminators{};
@@ -384,7 +393,16 @@ struct RemedyPoint {
   double stiffness{};  ///< of the stiffest leg's sleeve [N/m]
   double omega{};      ///< lowest first resonance over poses and directions asked for [rad/s]
   double drop{};       ///< largest drop
+  std::optional<double> softest{};  ///< as `stiffness`, of the softest leg where legs differ [N/m]
 };
+
+/// Stiffness of the guide sleeves [N/m]: that of the stiffest leg, and where legs differ that of
+/// the softest.
+struct SleeveRange {
+  double stiffest{};
+  std::optional<double> softest{};
+};
+SleeveRange sleeves_of(const model::Machine& machine);
 
 enum class RemedyStatus {
   found,
@@ -425,9 +443,9 @@ std::vector<model::NamedPose> workspace_poses(const model::Machine& machine);
 /// it.
 struct CaseFile {
   std::optional<Diagnosis> diagnosis{};
-  model::Machine machine{};  ///< the one that attribution and remedy are of
-  bool fitted{};             ///< it is the best hypothesis, not the nominal machine
-  double nominal_sleeve{};   ///< of the stiffest leg of the nominal machine [N/m]
+  model::Machine machine{};       ///< the one that attribution and remedy are of
+  bool fitted{};                  ///< it is the best hypothesis, not the nominal machine
+  SleeveRange nominal_sleeves{};  ///< of the nominal machine
   dynamics::ModelKind kind{};
   std::string pose{};  ///< of the attribution
   std::vector<AttributedDrop> drops{};

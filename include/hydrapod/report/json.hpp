@@ -73,6 +73,8 @@ std::string gravity_text(const model::Machine& machine);
 /// Which machine the results are of: "nominal", "calibrated, with platform.mass=4 t"; of struts
 /// also which model they have.
 std::string state_text(const model::MachineFile& file);
+/// The same of results of mechanics alone: with electric cylinders their motors are locked.
+std::string mechanics_state_text(const model::MachineFile& file);
 
 /// A share without its % sign: "82"; "<1" for less than half a per cent.
 std::string percent_text(double share);
@@ -82,6 +84,10 @@ std::string percent_text(double share);
 std::string energy_text(double oil, double guide_sleeve, double piston_ring, double base,
                         double payload = 0.0, double bending = 0.0, model::LegType leg = {});
 std::string energy_text(const modal::EnergyShares& energy);
+
+/// What the share of oil, struts or screws holds beside them: gimbals in series, sticking seals in
+/// parallel. A line with its end; empty where there are neither.
+std::string axial_energy_text(const model::Machine& machine);
 
 /// "Lowest mode the platform feels: 7.45 Hz in x; …", one line with its end; empty when there is no
 /// such mode.

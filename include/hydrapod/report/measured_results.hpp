@@ -262,6 +262,12 @@ void plot_sensitivities(const calibration::Sensitivities& sensitivities, const s
 /// the deviation leaves, else four.
 std::string amount_text(double value, double deviation, const std::string& unit);
 
+/// "0.84 MN/m to 1.23 MN/m"; one amount where both are written alike.
+std::string range_text(double least, double greatest, const std::string& unit);
+
+/// Of the guide sleeves: "300 kN/m"; "200 kN/m to 300 kN/m" where legs differ.
+std::string sleeves_text(const diagnosis::RemedyPoint& point);
+
 /// "guide sleeve of leg 3", and "the stiffness of the guide sleeve of leg 3 differs from …".
 std::string cause_name(const diagnosis::Cause& cause);
 std::string cause_statement(const diagnosis::Cause& cause);

@@ -324,7 +324,8 @@ Problem machine_problem(const model::Machine& machine, std::vector<Input> inputs
 
 /// Frequencies of many designs of one machine at one pose, several at a time in SIMD
 /// lanes; for one thread. They are those of modal::modes_with_elastomers() but for rounding (1e-12
-/// of each; 5e-11 under gravity beside nearly rigid sleeves). They do not depend on the designs beside.
+/// of each; 5e-11 under gravity beside nearly rigid sleeves). They do not depend on the designs
+/// beside.
 class DesignFrequencies {
  public:
   DesignFrequencies(const model::Machine& machine, const spatial::Pose& X_BP,
@@ -374,12 +375,17 @@ struct DesignProblem {
   std::vector<Aim> aims{};  ///< one; two for a trade-off
 };
 
-/// Outputs of machine_problem(), `buckling` among them, then: `power` of the pump, `sag` (largest
-/// static offset of a rod at its guide sleeve), `oil_force` (largest static one of a leg), and
-/// `force_x` … `excursion_rz`: what the machine can do from rest in both senses of a direction
+/// Outputs of machine_problem(), `buckling` among them, then those of these that the machine has:
+/// `power` of the pump, `sag` (largest static offset of a rod at its guide sleeve), `oil_force`
+/// (largest static one of a leg, of a strut or screw where it has no oil), and `force_x` …
+/// `excursion_rz`: what the machine can do from rest in both senses of a direction
 /// (simulation/capability.hpp).
 /// `outputs`, `requirements` and `aims` of `problem` may still be empty.
 std::vector<Column> design_outputs(const DesignProblem& problem);
+
+/// Why design_outputs() of this machine lack an output that other machines have; none: it has it,
+/// or no machine does.
+std::optional<std::string> why_no_output(const model::Machine& machine, std::string_view name);
 
 /// Outputs of a machine at one pose, and their derivatives.
 class DesignModel {

@@ -113,15 +113,17 @@ function facts(pose: PoseCheck): string {
 
 function legTable(pose: PoseCheck): HTMLElement {
   type Leg = PoseCheck['legs'][number];
-  const ofOil = (value: (leg: Leg) => number) => (leg: Leg) =>
-    leg.piston_m === null || leg.holding_torque_N_m !== undefined ? null : value(leg);
+  const ofOil = (force: (leg: Leg) => number | null) => (leg: Leg) => {
+    const value = force(leg);
+    return value === null || leg.holding_torque_N_m !== undefined ? null : 1e-3 * value;
+  };
   const columns: [title: string, (leg: Leg) => number | null | undefined, digits: number][] = [
     ['length, mm', (leg) => 1e3 * leg.length_m, 1],
     ['stroke left in, mm', (leg) => leg.retract_left_m && 1e3 * leg.retract_left_m, 1],
     ['stroke left out, mm', (leg) => leg.extend_left_m && 1e3 * leg.extend_left_m, 1],
     ['force at rest, kN', (leg) => 1e-3 * leg.axial_force_N, 2],
-    ['oil can push, kN', ofOil((leg) => 1e-3 * leg.largest_push_N), 1],
-    ['oil can pull, kN', ofOil((leg) => 1e-3 * leg.largest_pull_N), 1],
+    ['oil can push, kN', ofOil((leg) => leg.largest_push_N), 1],
+    ['oil can pull, kN', ofOil((leg) => leg.largest_pull_N), 1],
     ['torque at rest, N m', (leg) => leg.holding_torque_N_m, 2],
     ['torque limit, N m', (leg) => leg.torque_limit_N_m, 1],
     ['largest speed, m/s', (leg) => leg.largest_speed_m_s, 3],

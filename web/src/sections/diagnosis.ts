@@ -38,8 +38,6 @@ function shownMode(state: State, mode: DiagnosedMode): number {
 const cell = (text: string) => html('td', {}, text);
 
 function measuredTable(state: State, found: Diagnosis): HTMLElement {
-  const type = state.stated.modes[0]?.strain_energy.axial; // of all legs; the diagnosis does not repeat it
-  const axial = type === undefined ? {} : { axial: type };
   const rows = (found.measured_modes ?? []).map((mode) => {
     const show = () => {
       state.chooseMode(shownMode(state, mode));
@@ -55,7 +53,7 @@ function measuredTable(state: State, found: Diagnosis): HTMLElement {
       cell(mode.rigid_hz !== null && mode.rigid_mac >= 0.1 ? signedPercent(-100 * mode.drop) : ''),
       cell(hertz(mode.nominal_hz)),
       cell(hertz(mode.fitted_hz)),
-      html('td', {}, stackedBar(energyParts({ ...mode.strain_energy, ...axial }))),
+      html('td', {}, stackedBar(energyParts(mode.strain_energy))),
       html('td', {}, here ? button('Show', show, { 'data-control': 'show-mode', 'aria-label': `Show the motion of the mode at ${hertz(mode.frequency_hz)} Hz` }) : ''),
     );
   });
@@ -202,7 +200,9 @@ function curve(remedy: Remedy, machine: string): SVGSVGElement {
   const path = points
     .map((p, k) => `${k === 0 ? 'M' : 'L'}${px(p.stiffness_N_m).toFixed(2)} ${py(y(p)).toFixed(2)}`)
     .join('');
-  const label = `${remedy.goal.words}: ${machine} ${plain(remedy.present.stiffness_N_m)} N/m, required ${plain(remedy.required.stiffness_N_m)} N/m`;
+  const stiffness = (p: Remedy['present']) =>
+    `${p.softest_N_m === undefined ? '' : `${plain(p.softest_N_m)} to `}${plain(p.stiffness_N_m)} N/m`;
+  const label = `${remedy.goal.words}: ${machine} ${stiffness(remedy.present)}, required ${stiffness(remedy.required)}`;
   const mark = (p: Remedy['present'], r: number, kind: string, name: string) =>
     svg('circle', { cx: px(p.stiffness_N_m), cy: py(y(p)), r, class: kind, 'data-mark': name });
   return svg(
