@@ -386,7 +386,7 @@ NormalModes modes_with_elastomers(const model::Machine& machine, const LinearMod
   std::vector<int> order(static_cast<std::size_t>(modes.size()));
   std::iota(order.begin(), order.end(), 0);
   const auto square = [&](int k) { return of_group[modes.group[k]] / size[modes.group[k]]; };
-  std::ranges::stable_sort(order, {}, square);
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return square(a) < square(b); });
   NormalModes result = modes;
   for (int k = 0, group = 0; k < modes.size(); ++k) {
     const int from = order[static_cast<std::size_t>(k)];

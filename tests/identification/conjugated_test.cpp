@@ -14,8 +14,6 @@
 namespace hydrapod::identification {
 namespace {
 
-using Kind = ModeWarning::Kind;
-
 /// Three modes, two inputs, three outputs; errors of `noise` times the largest response at the
 /// second mode.
 FrequencyResponses responses_with(double noise, std::uint64_t seed) {
@@ -47,14 +45,15 @@ FrequencyResponses conjugates_of(FrequencyResponses r) {
 }
 
 std::int64_t warnings_in(const Identification& found) {
-  return std::ranges::count(found.warnings, Kind::conjugated, &ModeWarning::kind);
+  return std::ranges::count(found.warnings, ModeWarning::Kind::conjugated, &ModeWarning::kind);
 }
 
 TEST(Conjugated, AreNamedAndNoModeOfThemIsTrusted) {
   for (const double noise : {3e-4, 0.02}) {
     const auto found = identify_modes(conjugates_of(responses_with(noise, 5)));
     ASSERT_EQ(warnings_in(found), 1) << noise;
-    const auto& warning = *std::ranges::find(found.warnings, Kind::conjugated, &ModeWarning::kind);
+    const auto& warning =
+        *std::ranges::find(found.warnings, ModeWarning::Kind::conjugated, &ModeWarning::kind);
     EXPECT_LT(warning.value, 0.3) << noise;
     EXPECT_GT(warning.share, 0.3) << noise;
     for (const auto& mode : found.modes) EXPECT_EQ(mode.quality(), 0.0);
