@@ -15,6 +15,7 @@ namespace hydrapod::study {
 struct DesignFrequencies::Implementation {
   model::Machine machine;
   spatial::Pose X_BP;
+  std::optional<std::size_t> pose;  ///< that X_BP is
   dynamics::ModelKind kind;
   std::vector<model::Assignment> assignments;
   LaneDesigns designs;
@@ -29,6 +30,7 @@ struct DesignFrequencies::Implementation {
   void assign(const double* numbers) {
     for (auto& assignment : assignments) assignment.value = *numbers++;
     model::assign(machine, assignments);
+    if (pose) X_BP = machine.poses.at(*pose).X_BP;
   }
 
   void put(const dynamics::NormalModes& found, double* omega) const {
@@ -74,10 +76,12 @@ struct DesignFrequencies::Implementation {
 
 DesignFrequencies::DesignFrequencies(const model::Machine& machine, const spatial::Pose& X_BP,
                                      dynamics::ModelKind kind,
-                                     const std::vector<model::ParameterId>& ids)
+                                     const std::vector<model::ParameterId>& ids,
+                                     std::optional<std::size_t> pose)
     : implementation_(
           new Implementation{.machine = machine,
                              .X_BP = X_BP,
+                             .pose = pose,
                              .kind = kind,
                              .assignments = {},
                              .designs = {usable_kernels().front(),

@@ -166,8 +166,11 @@ struct ModesAndDerivatives {
 
 /// The machine that modes are followed from: with its own numbers, or where these have no modes
 /// with others between the bounds.
-Problem nominal_problem(const DesignProblem& problem, const spatial::Pose& X_BP, bool buckling) {
-  const MachineOptions options{.kind = problem.kind, .X_BP = X_BP, .buckling = buckling};
+Problem nominal_problem(const DesignProblem& problem, const model::NamedPose& pose, bool buckling) {
+  const MachineOptions options{.kind = problem.kind,
+                               .X_BP = pose.X_BP,
+                               .buckling = buckling,
+                               .pose = pose_number(problem.machine, pose.name)};
   std::string why;
   for (const double share : {-1.0, 1.0, 0.5, 0.75, 0.25, 0.0}) {
     std::vector<double> values;
@@ -189,7 +192,7 @@ Problem nominal_problem(const DesignProblem& problem, const spatial::Pose& X_BP,
 }  // namespace
 
 std::vector<Column> design_outputs(const DesignProblem& problem) {
-  auto columns = nominal_problem(problem, problem.poses.front().X_BP, true).outputs;
+  auto columns = nominal_problem(problem, problem.poses.front(), true).outputs;
   const auto all = all_extra_columns(model::leg_type(problem.machine));
   for (const int extra : extras_of(problem.machine))
     columns.push_back(all[static_cast<std::size_t>(extra)]);
@@ -207,6 +210,7 @@ struct DesignModel::Parts {
   model::Machine machine{};
   ModelKind kind{};
   spatial::Pose X_BP{};
+  std::optional<std::size_t> pose{};  ///< number of the machine's pose that it is
   std::vector<Input> changes{};
   std::vector<Column> columns{};
   std::vector<int> wanted{};
@@ -217,6 +221,10 @@ struct DesignModel::Parts {
   BatchModel batch{};
   std::vector<int> column_of{};  ///< of the problem's outputs, the number among `columns`; −1: none
   std::vector<double> raw{};
+
+  [[nodiscard]] const spatial::Pose& at(const model::Machine& changed) const {
+    return pose ? changed.poses[*pose].X_BP : X_BP;
+  }
 
   /// The problem's row, put where the design's columns are.
   void take(std::span<const double> values, std::span<const double> row,
@@ -237,9 +245,9 @@ struct DesignModel::Parts {
     const auto changed = machine_of(machine, changes, values);
     extra[Extra::power] = pump_power(changed.hydraulics.supply);
     try {
-      if (statics) add_statics(changed, dynamics::linear_model(changed, X_BP, kind), extra);
+      if (statics) add_statics(changed, dynamics::linear_model(changed, at(changed), kind), extra);
       if (!capability) return;
-      if (const auto found = simulation::capability(changed, X_BP, kind, false))
+      if (const auto found = simulation::capability(changed, at(changed), kind, false))
         add_abilities(*found, extra);
     } catch (const base::ComputationError&) {  // then they stay without a value
     }
@@ -259,6 +267,7 @@ DesignModel::DesignModel(const DesignProblem& problem, const model::NamedPose& p
   parts.machine = problem.machine;
   parts.kind = problem.kind;
   parts.X_BP = pose.X_BP;
+  parts.pose = pose_number(problem.machine, pose.name);
   parts.changes = problem.changes;
   parts.columns = problem.outputs;
   parts.wanted = std::move(wanted);
@@ -272,7 +281,7 @@ DesignModel::DesignModel(const DesignProblem& problem, const model::NamedPose& p
     parts.statics = parts.statics || extra == Extra::sag || extra == Extra::oil_force;
     parts.capability = parts.capability || extra >= Extra::first_ability;
   }
-  parts.problem = nominal_problem(problem, pose.X_BP, buckling);
+  parts.problem = nominal_problem(problem, pose, buckling);
   for (const auto& output : parts.problem.outputs) {
     const auto at = std::ranges::find(parts.columns, output.name, &Column::name);
     parts.column_of.push_back(
@@ -312,7 +321,16 @@ double step_of(const Input& change, double value) {
 }  // namespace
 
 ModesAndDerivatives DesignModel::Parts::modes(std::span<const double> values, ModelKind of) const {
-  const auto center = dynamics::linear_model(machine_of(machine, changes, values), X_BP, of);
+  const auto model_at = [&](std::span<const double> numbers, const auto& make) {
+    const auto changed = machine_of(machine, changes, numbers);
+    return make(changed, at(changed));
+  };
+  const auto center = model_at(values, [&](const auto& changed, const auto& X) {
+    return dynamics::linear_model(changed, X, of);
+  });
+  const auto neighbour = [&](const auto& changed, const auto& X) {
+    return dynamics::neighbour_model(changed, X, center);
+  };
   ModesAndDerivatives result{.modes = modal::normal_modes(center)};
   std::vector<modal::ModelDerivative> derivatives;
   std::vector<double> moved(values.begin(), values.end());
@@ -320,9 +338,9 @@ ModesAndDerivatives DesignModel::Parts::modes(std::span<const double> values, Mo
   for (std::size_t j = 0; j < changes.size(); ++j) {
     const double h = step_of(changes[j], values[j]);
     moved[j] = values[j] + h;
-    const auto above = dynamics::neighbour_model(machine_of(machine, changes, moved), X_BP, center);
+    const auto above = model_at(moved, neighbour);
     moved[j] = values[j] - h;
-    const auto below = dynamics::neighbour_model(machine_of(machine, changes, moved), X_BP, center);
+    const auto below = model_at(moved, neighbour);
     moved[j] = values[j];
     derivatives.push_back({(above.M - below.M) / (2.0 * h), (above.K - below.K) / (2.0 * h),
                            (above.C - below.C) / (2.0 * h)});

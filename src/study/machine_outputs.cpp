@@ -143,8 +143,7 @@ std::vector<Column> columns_of(const Kept& kept) {
 
 Nominal nominal_of(const model::Machine& machine, const MachineOptions& options) {
   Nominal nominal{.flexible = dynamics::linear_model(machine, options.X_BP, options.kind),
-                  .rigid = dynamics::linear_model(machine, options.X_BP, ModelKind::rigid),
-                  .X_BP = options.X_BP};
+                  .rigid = dynamics::linear_model(machine, options.X_BP, ModelKind::rigid)};
   nominal.modes = modal::modes_with_elastomers(machine, nominal.flexible);
   for (int k = 0; k < nominal.modes.size(); ++k)
     if (static_cast<int>(nominal.followed.size()) < options.modes &&

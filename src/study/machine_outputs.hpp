@@ -19,7 +19,6 @@ struct Nominal {
   modal::NormalModes modes{};
   std::vector<int> followed{};
   dynamics::ModelMatrix followed_shapes{};  ///< their columns
-  spatial::Pose X_BP{};
 };
 
 struct Kept {

@@ -94,7 +94,11 @@ class Evaluation {
         designs_(usable_kernels().front(), kept_->options.kind,
                  lane_options(machine_, kept_->options.resonance_share),
                  kept_->nominal.followed_shapes) {
-    for (const auto& input : kept_->inputs) assignments_.push_back({input.id, 0.0});
+    for (const auto& input : kept_->inputs) {
+      assignments_.push_back({input.id, 0.0});
+      moves_ = moves_ || kept_->options.poses ||
+               (kept_->options.pose && pose_of(input.id) == kept_->options.pose);
+    }
     bounds_are_enough_ = !kept_->options.poses && !has_error(model::validate(machine_)) &&
                          std::ranges::all_of(assignments_, [&](const auto& assignment) {
                            return model::stands_alone(machine_, assignment.id);
@@ -130,7 +134,7 @@ class Evaluation {
  private:
   /// Where the search for equilibrium begins: none for straight legs.
   const dynamics::StaticEquilibrium* start(const dynamics::StaticEquilibrium& nominal) const {
-    return !kept_->options.poses && nominal.iterations > 0 ? &nominal : nullptr;
+    return !moves_ && nominal.iterations > 0 ? &nominal : nullptr;
   }
 
   /// Everything before the model; the pose. None: there is no model, the status is set.
@@ -142,6 +146,7 @@ class Evaluation {
     } else {
       for (std::size_t k = 0; k < inputs.size(); ++k) assignments_[k].value = inputs[k];
       model::assign(machine_, assignments_);
+      if (moves_) X_BP = machine_.poses[*kept_->options.pose].X_BP;
     }
     const auto refused = refusal(X_BP);
     set(outputs, refused);
@@ -242,6 +247,7 @@ class Evaluation {
   std::shared_ptr<const Kept> kept_;
   model::Machine machine_;
   std::vector<model::Assignment> assignments_;
+  bool moves_{};              ///< inputs are of the pose
   bool bounds_are_enough_{};  ///< to know that a machine is sound
   LaneDesigns designs_;
   std::array<Row, most_lanes> waiting_{};
@@ -260,6 +266,7 @@ Problem machine_problem(const model::Machine& machine, std::vector<Input> inputs
   kept->machine = machine;
   kept->inputs = inputs;
   kept->options = options;
+  if (options.pose) kept->options.X_BP = machine.poses.at(*options.pose).X_BP;
   kept->nominal = nominal_of(machine, options);
   Problem problem{
       .inputs = std::move(inputs), .outputs = columns_of(*kept), .status = Layout::status};

@@ -126,6 +126,8 @@ DesignJob prepare_design(const Machine& machine, const DesignOptions& options) {
         base::refuse(varied.place, "is changed twice");
       problem.changes.push_back(std::move(change));
     });
+  for (auto& error : of_other_poses(machine, problem.changes, problem.poses))
+    errors.push_back(error);
   if (!errors.empty()) throw base::InputError(errors);
   if (problem.changes.empty() || options.aims.empty() || options.aims.size() > 2)
     throw std::invalid_argument("prepare_design: expected changes, and one aim or two");

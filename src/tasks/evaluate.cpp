@@ -296,6 +296,8 @@ Evaluation evaluate(const Machine& machine, const EvaluateOptions& options) {
                                .kind = machine.kind,
                                .poses = {machine.pose},
                                .changes = given.changes};
+  if (const auto errors = of_other_poses(machine, given.changes, problem.poses); !errors.empty())
+    throw base::InputError(errors);
   Evaluation result{.id = file.id};
   const auto fail = [&](const std::string& why) {
     result.text = "FAIL\n";

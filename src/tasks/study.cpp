@@ -98,6 +98,25 @@ study::Input input_over(const Machine& machine, const Varied& varied, bool poses
   return input;
 }
 
+std::vector<base::Diagnostic> of_other_poses(const Machine& machine,
+                                             const std::vector<study::Input>& inputs,
+                                             const std::vector<model::NamedPose>& poses) {
+  std::vector<base::Diagnostic> errors;
+  std::vector<std::string_view> names;
+  for (const auto& pose : poses) names.push_back(pose.name);
+  for (const auto& input : inputs) {
+    const auto number = study::pose_of(input.id);
+    if (!number) continue;
+    const auto& name = machine.file.machine.poses.at(*number).name;
+    if (std::ranges::count(names, name) == 0)
+      errors.push_back({.file = input.name,
+                        .message = fmt::format("has no effect at pose {}; expected is a number of "
+                                               "that pose, or --pose {}",
+                                               fmt::join(names, ", "), name)});
+  }
+  return errors;
+}
+
 std::string duration_text(double seconds) {
   if (seconds < 120) return fmt::format("{:.0f} s", seconds);
   if (seconds < 7200) return fmt::format("{:.0f} min", seconds / 60);
@@ -129,6 +148,8 @@ std::vector<study::Input> inputs_of(const Machine& machine, const StudyOptions& 
       if (inputs[k].name == inputs[other].name ||
           (!options.poses && inputs[k].id == inputs[other].id))
         errors.push_back({.file = inputs[k].name, .message = "is varied twice"});
+  if (!options.poses)
+    for (auto& error : of_other_poses(machine, inputs, {machine.pose})) errors.push_back(error);
   if (!errors.empty()) throw base::InputError(errors);
   return inputs;
 }
@@ -223,12 +244,14 @@ StudyJob prepare_study(const Machine& machine, const StudyOptions& options) {
       job.plan.samples *= input.distribution.list.size();
     }
   }
-  job.problem = study::machine_problem(machine.file.machine, std::move(inputs),
-                                       {.kind = machine.kind,
-                                        .X_BP = machine.pose.X_BP,
-                                        .modes = options.modes,
-                                        .buckling = options.buckling,
-                                        .poses = options.poses});
+  job.problem =
+      study::machine_problem(machine.file.machine, std::move(inputs),
+                             {.kind = machine.kind,
+                              .X_BP = machine.pose.X_BP,
+                              .modes = options.modes,
+                              .buckling = options.buckling,
+                              .poses = options.poses,
+                              .pose = study::pose_number(machine.file.machine, machine.pose.name)});
   for (const auto& text : options.want)
     job.requirements.push_back(
         study::read_requirement(text, job.problem.outputs, "--want \"" + text + "\""));

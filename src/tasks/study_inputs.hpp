@@ -13,6 +13,11 @@ study::Input input_over(const Machine& machine, const Varied& varied, bool poses
 model::FileNumber number_at(const Machine& machine, const std::string& path,
                             const std::string& place);
 
+/// What is wrong with numbers of a pose that is none of `poses`: they would have no effect.
+std::vector<base::Diagnostic> of_other_poses(const Machine& machine,
+                                             const std::vector<study::Input>& inputs,
+                                             const std::vector<model::NamedPose>& poses);
+
 /// "3 min", "2.5 h".
 std::string duration_text(double seconds);
 

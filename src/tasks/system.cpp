@@ -71,8 +71,9 @@ report::RootLocus root_locus(const Machine& machine, const RootLocusOptions& opt
     overrides.push_back(fmt::format("{}={:.17g}", options.key, value));
     const auto changed =
         model::parse_machine(machine.file.text, machine.path, overrides, kinematics::check_machine);
-    return simulation::system_poles(
-        described(changed.machine, machine.pose.X_BP, linear_options(machine, options.system)));
+    return simulation::system_poles(described(changed.machine,
+                                              pose_of(changed.machine, machine.pose.name).X_BP,
+                                              linear_options(machine, options.system)));
   };
   report::RootLocus locus{.key = options.key};
   const auto& today = machine.file.machine;

@@ -107,6 +107,9 @@ TEST(DesignCommand, RefusesWhatItCannotUnderstand) {
       {{"--change", change, "--minimise", "sag", "--want", "x > 6 Hz"}, ">= or <="},
       {{"--change", change, "--minimise", "sag", "--want", "x >= 6 kg"}, "6 kg"},
       {{"--change", change, "--minimise", "power"}, "pump_flow"},
+      {{"--change", change, "--change", "poses.neutral.position[2]=1.5:1.7 m", "--minimise", "sag",
+        "--pose", "x=1 mm"},
+       "poses.neutral.position[2]: error: has no effect at pose x=1 mm"},
       {{"--change", change, "--minimise", "sag", "--trade-off", "5"}, "two aims"},
       {{"--change", change, "--minimise", "sag", "--minimise", "sag"}, "an aim twice"},
       {{"--change", change, "--minimise", "sag", "--pose", "x=9 m"}, "--pose"}};

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
+#include "hydrapod/base/text.hpp"
 #include "hydrapod/dynamics/linear_model.hpp"
 #include "support/run_program.hpp"
 
@@ -105,6 +106,37 @@ want = ["x >= 7.4 Hz"]
   EXPECT_THAT(wrong.err, HasSubstr("wrong.toml:2:1"));
   EXPECT_THAT(wrong.err, HasSubstr("did you mean `samples`"));
   EXPECT_THAT(wrong.err, HasSubstr("wrong.toml:4:8"));
+}
+
+TEST(Studies, NumbersOfThePoseMoveThePlatform) {
+  const test::TemporaryFolder folder;
+  const auto csv_of = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> all{"sweep",     machine,
+                                 "--over",    "poses.neutral.position[2]=0.64, 0.66 m",
+                                 "--csv",     (folder / "sweep.csv").string(),
+                                 "--results", (folder / "sweep.h5").string(),
+                                 "--force"};
+    all.insert(all.end(), more.begin(), more.end());
+    return test::run_hydrapod(all);
+  };
+  const auto sweep = csv_of({});
+  ASSERT_EQ(sweep.exit_code, 0) << sweep.err;
+  const auto lines = base::split(test::read_text(folder / "sweep.csv"), "\n");
+  ASSERT_GE(lines.size(), 3U);
+  for (std::size_t row : {1U, 2U}) {
+    const auto cells = base::split(lines[row], ",");
+    const auto modes = test::run_hydrapod({"modes", machine, "--set",
+                                           "poses.neutral.position[2]=" + std::string(cells[0]),
+                                           "--format", "csv"});
+    ASSERT_EQ(modes.exit_code, 0) << modes.err;
+    EXPECT_THAT(modes.out, HasSubstr(std::string(cells[2]).substr(0, 6))) << modes.out;
+  }
+  EXPECT_NE(base::split(lines[1], ",")[2], base::split(lines[2], ",")[2]);
+  const auto elsewhere = csv_of({"--pose", "x=1 mm"});
+  EXPECT_EQ(elsewhere.exit_code, 2);
+  EXPECT_THAT(elsewhere.err, HasSubstr("poses.neutral.position[2]: error: has no effect at pose "
+                                       "x=1 mm; expected is a number of that pose, or --pose "
+                                       "neutral"));
 }
 
 TEST(Studies, SweepAndMapGoThroughTheirGrids) {

@@ -65,6 +65,46 @@ TEST(MachineStudy, RowsAreThoseOfModes) {
   }
 }
 
+/// One by one, in lanes, and frequencies alone: all at the pose that the numbers give.
+TEST(MachineStudy, NumbersOfThePoseMoveThePlatform) {
+  const auto file = published({"environment.gravity=9.81"});
+  const auto kind = dynamics::ModelKind::guide;
+  const auto pose = pose_number(file.machine, "neutral");
+  ASSERT_TRUE(pose.has_value());
+  auto inputs = read_variation(file, "poses.neutral.position[2]", "uniform ± 2 %", "");
+  inputs.push_back(read_variation(file, "poses.neutral.rotation[0]", "uniform ± 0.02", "").front());
+  EXPECT_EQ(pose_of(inputs.front().id), pose);
+  const auto problem = machine_problem(
+      file.machine, inputs, {.kind = kind, .X_BP = file.machine.neutral(), .pose = pose});
+  const auto one = problem.model();
+  DesignFrequencies frequencies(file.machine, file.machine.neutral(), kind,
+                                {inputs[0].id, inputs[1].id}, pose);
+  const double z = file.machine.neutral().p_BP.z();
+  const std::vector<double> x{0.987 * z, 0.013, 1.011 * z, -0.0171, z, 0.019};
+  const std::size_t width = problem.outputs.size();
+  std::vector<double> together(3 * width), y(width);
+  std::vector<Row> rows;
+  for (std::size_t k = 0; k < 3; ++k)
+    rows.push_back({std::span(x).subspan(2 * k, 2), std::span(together).subspan(k * width, width)});
+  problem.batch()(rows);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto own = std::span(x).subspan(2 * k, 2);
+    const auto moved = machine_of(file.machine, inputs, own);
+    EXPECT_NEAR(moved.neutral().p_BP.z(), own[0], 1e-12);
+    const auto table = modal::mode_table(moved, moved.neutral(), kind);
+    const int lowest = modal::lowest_platform_mode(table.real.modes);
+    const double f = table.real.modes[static_cast<std::size_t>(lowest)].mode.omega / two_pi;
+    one(own, y);
+    ASSERT_EQ(y[0], 0.0);
+    EXPECT_NEAR(y[column(problem, "lowest")], f, same * f);
+    EXPECT_NEAR(together[k * width + column(problem, "lowest")], f, same * f);
+    std::vector<double> omega(static_cast<std::size_t>(table.real.normal.size()));
+    frequencies(own, omega);
+    EXPECT_NEAR(omega[0], table.real.normal.omega(0), same * omega[0]);
+    EXPECT_NE(y[column(problem, "condition")], together[((k + 1) % 3) * width + 16]);
+  }
+}
+
 /// Of elastomers too: each mode with the stiffness that the seals have at its frequency.
 TEST(MachineStudy, RowsOfElastomersAreThoseOfModes) {
   auto machine = published({"environment.gravity=9.81"}).machine;

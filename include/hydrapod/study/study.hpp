@@ -313,7 +313,15 @@ struct MachineOptions {
   int modes{6};     ///< lowest platform modes that are followed
   bool buckling{};  ///< also the payload at which the legs buckle, milliseconds a sample
   bool poses{};     ///< inputs are displacements from X_BP, with names x … rz
+  /// Number of the pose of the machine that X_BP is, from 0; numbers of this pose may be inputs.
+  /// None: X_BP is none of them.
+  std::optional<std::size_t> pose{};
 };
+
+/// Number of the pose that a number of a machine belongs to, from 0; none: it is of no pose.
+std::optional<std::size_t> pose_of(const model::ParameterId& id);
+/// Number of the machine's pose of that name, from 0.
+std::optional<std::size_t> pose_number(const model::Machine& machine, std::string_view name);
 
 /// Lowest platform mode, first resonances, drop, followed modes and pose quality of machines that
 /// differ from `machine` in the inputs. Modes are followed by shape: each mode of the nominal
@@ -328,8 +336,10 @@ Problem machine_problem(const model::Machine& machine, std::vector<Input> inputs
 /// beside.
 class DesignFrequencies {
  public:
+  /// `pose`: as MachineOptions::pose.
   DesignFrequencies(const model::Machine& machine, const spatial::Pose& X_BP,
-                    dynamics::ModelKind kind, const std::vector<model::ParameterId>& ids);
+                    dynamics::ModelKind kind, const std::vector<model::ParameterId>& ids,
+                    std::optional<std::size_t> pose = {});
   DesignFrequencies(DesignFrequencies&&) noexcept;
   ~DesignFrequencies();
 
