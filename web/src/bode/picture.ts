@@ -5,6 +5,7 @@ import { magnitude, phase, type Complex } from '../complex';
 import { tick } from '../numbers';
 import type { Palette } from '../palette';
 import { titleOf, unitOf, type Curves, type Mark } from './curves';
+import { labelled, magnitudeTicks, tickText } from './ticks';
 
 interface Frame {
   x(frequency: number): number;
@@ -16,36 +17,6 @@ const [width, height] = [860, 560];
 const margin = { left: 78, right: 18, top: 44, bottom: 46 };
 const phaseHeight = 130;
 const gap = 26;
-
-/** Ticks of a logarithmic axis: decades, and 2 and 5 (or all digits) where there are few decades. */
-export function logTicks(from: number, to: number, narrow = false): number[] {
-  const decades = Math.log10(to / from);
-  const steps =
-    decades > 6 ? [1] : decades > (narrow ? 0.7 : 1.7) ? [1, 2, 5] : [1, 2, 3, 4, 5, 6, 7, 8, 9];
-  const values: number[] = [];
-  for (let e = Math.floor(Math.log10(from)); e <= Math.ceil(Math.log10(to)); ++e)
-    for (const step of steps) {
-      const value = step * 10 ** e;
-      if (value >= from * (1 - 1e-9) && value <= to * (1 + 1e-9)) values.push(value);
-    }
-  return values;
-}
-
-/** At most ten ticks of a logarithmic axis of magnitudes. */
-export function magnitudeTicks(from: number, to: number): number[] {
-  const decades = Math.log10(to / from);
-  const all = logTicks(from, to);
-  const isDecade = (value: number) =>
-    Math.abs(Math.log10(value) - Math.round(Math.log10(value))) < 1e-9;
-  const shown =
-    decades > 2.5
-      ? all.filter(isDecade)
-      : decades > 1
-        ? all.filter((v) => /^[125]/.test(v.toExponential()))
-        : all;
-  const every = Math.ceil(shown.length / 10);
-  return shown.filter((_, i) => i % every === 0);
-}
 
 function path(
   frame: Frame,
@@ -101,7 +72,7 @@ function frequencyAxis(
   bottom: number,
   colours: Palette,
 ) {
-  for (const f of logTicks(from, to)) {
+  for (const f of labelled(from, to, frame.x, width)) {
     const x = frame.x(f);
     picture.append(
       svg('line', {
@@ -115,7 +86,7 @@ function frequencyAxis(
       svg(
         'text',
         { x, y: bottom + 16, 'text-anchor': 'middle', fill: colours.faint },
-        String(Number(f.toPrecision(3))),
+        tickText(f),
       ),
     );
   }
