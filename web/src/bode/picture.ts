@@ -17,6 +17,7 @@ const [width, height] = [860, 560];
 const margin = { left: 78, right: 18, top: 44, bottom: 46 };
 const phaseHeight = 130;
 const gap = 26;
+const headroom = 22;
 
 function path(
   frame: Frame,
@@ -118,7 +119,9 @@ function magnitudePart(
     .flatMap((H) => (H ?? []).map(magnitude))
     .filter((value) => value > 0);
   const low = values.reduce((a, b) => Math.min(a, b), Infinity);
-  const high = values.reduce((a, b) => Math.max(a, b), 0) * 1.5;
+  const most = values.reduce((a, b) => Math.max(a, b), 0);
+  // room for the number of a mode above its peak
+  const high = most * Math.max(1.5, (most / low) ** (headroom / (bottom - top - headroom)));
   const y = (value: number) =>
     bottom - ((bottom - top) * Math.log(Math.max(value, low) / low)) / Math.log(high / low);
   box(picture, frame, top, bottom, colours);
@@ -277,7 +280,7 @@ function marksAt(
 
 function legend(picture: SVGElement, curves: Curves, colours: Palette) {
   const names = ['flexible legs (numbers: modes)', 'rigid legs'];
-  let x = width - margin.right - (curves.flexible ? 300 : 100);
+  let x = width - margin.right - (curves.flexible ? 342 : 100);
   both(curves).forEach((H, k) => {
     if (!H) return;
     const line = lines(colours)[k];
@@ -293,7 +296,7 @@ function legend(picture: SVGElement, curves: Curves, colours: Palette) {
       }),
       svg('text', { x: x + 32, y: 18 }, names[k]),
     );
-    x += 212;
+    x += 248;
   });
 }
 

@@ -94,12 +94,11 @@ const values = (e: Hypothesis): string =>
     )
     .join('; ');
 
-/** The first `count` of a list, the others folded; on paper all of them. */
+/** The first `count` of a list, the others folded. */
 function folded(items: HTMLElement[], count: number, list: (part: HTMLElement[], from: number) => HTMLElement, words: (rest: number) => string): HTMLElement[] {
   const rest = items.slice(count);
   if (rest.length === 0) return [list(items, 1)];
   const more = html('details', { class: 'more' }, html('summary', {}, words(rest.length)), list(rest, count + 1));
-  addEventListener('beforeprint', () => (more.open = true));
   return [list(items.slice(0, count), 1), more];
 }
 
@@ -163,8 +162,7 @@ function render(state: State, host: HTMLElement): void {
     prediction.onShow = mark;
     prediction.show(0);
     state.listen((change) => change === 'theme' && prediction.draw());
-    left.append(html('h3', {}, 'Prediction and measurement'), prediction.element);
-    right.append(html('h3', {}, 'Hypotheses'), ...parts);
+    right.append(html('h3', {}, 'Hypotheses'), ...parts, html('h3', {}, 'Prediction and measurement'), prediction.element);
     window.hydrapod.diagnosis = {
       show: (hypothesis) => prediction.show(hypothesis),
       shown: () => prediction.shown,
@@ -173,7 +171,7 @@ function render(state: State, host: HTMLElement): void {
     };
   }
   if (found.remedy)
-    right.append(
+    left.append(
       html('h3', {}, `Required stiffness of the guide sleeves for ${found.remedy.goal.words}`),
       new StiffnessPicture(found.remedy, found.computed_machine).element,
       html('p', { class: 'note' }, stiffnessWords(found.remedy, found.computed_machine)),
