@@ -95,6 +95,44 @@ for (const [name, of] of Object.entries(kinds))
       });
     });
 
+test('on paper all sections fit the width, and nothing is folded', async () => {
+  const paper = 688; // px of the text on A4 with the margins of the page
+  await withPage(report(...everything()), { ...still, viewport: { width: 2560, height: 900 } }, async (page) => {
+    await calculated(page);
+    await page.evaluate(() => dispatchEvent(new Event('beforeprint'))); // as a browser does before it prints
+    await page.emulateMedia({ media: 'print' });
+    const wide = await page.evaluate((most) => {
+      const seen = [...document.querySelectorAll('.uplot, svg, table')].filter((e) => e.checkVisibility());
+      document.getElementById('report').style.width = `${most}px`;
+      return seen.filter((e) => e.getBoundingClientRect().width > most + 0.5).map((e) => `${e.closest('section')?.id} ${e.getAttribute('class')}`);
+    }, paper);
+    assert.deepEqual(wide, []);
+    assert.equal(await page.locator('details:not([open])').count(), 0);
+    await page.emulateMedia({ media: 'screen' });
+    await page.evaluate(() => {
+      document.getElementById('report').style.width = '';
+      dispatchEvent(new Event('afterprint'));
+    });
+    assert.deepEqual(await faults(page), [], 'afterwards it is as wide as before');
+  });
+});
+
+test('a MAC matrix of many modes fits a phone', async () => {
+  await withPage(report(...everything()), { ...still, viewport: { width: 360, height: 740 }, isMobile: true }, async (page) => {
+    await page.evaluate(() => {
+      for (const row of document.querySelectorAll('.mac tr'))
+        for (let k = row.cells.length; k <= 18; ++k) {
+          const cell = row.lastElementChild.cloneNode(true);
+          if (cell.localName === 'th') cell.textContent = String(k);
+          row.append(cell);
+        }
+    });
+    await page.waitForFunction(() => document.querySelector('.mac').classList.contains('stacked'));
+    const [table, room] = await page.locator('.mac').evaluate((e) => [e.getBoundingClientRect().width, e.parentElement.clientWidth]);
+    assert.ok(table <= room + 0.5, `${table} px in ${room} px`);
+  });
+});
+
 test('a window that becomes narrow and wide again: the tables follow', async () => {
   await withPage(report(published), { ...still, viewport: { width: 1400, height: 900 } }, async (page) => {
     await calculated(page);
