@@ -45,6 +45,8 @@ const faults = (page) =>
         if (scale * parseFloat(style.fontSize) < 10) found.add(`too small to be read: ${named(e)}`);
       }
     }
+    for (const label of document.querySelectorAll('.bar-label'))
+      if (isSeen(label) && label.offsetHeight > 20) found.add(`broken in two: ${named(label)}`);
     for (const picture of document.querySelectorAll('svg')) {
       const labels = [...picture.querySelectorAll('text')].filter(isSeen).map((e) => [e, e.getBoundingClientRect()]);
       labels.forEach(([e, a], k) => {
