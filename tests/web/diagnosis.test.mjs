@@ -87,8 +87,11 @@ test("the present and the required stiffness stand on the curve", async () => {
     // one decade is as wide everywhere: from the labels of the axis
     const ticks = await page.locator('#diagnosis .stiffness text[text-anchor="middle"]').evaluateAll((all) =>
       all
-        .filter((t) => /^1e\d+$/.test(t.textContent))
-        .map((t) => [Number(t.textContent.slice(2)), Number(t.getAttribute('x'))]),
+        .filter((t) => /^10[⁰¹²³⁴⁵⁶⁷⁸⁹]+$/.test(t.textContent))
+        .map((t) => [
+          Number([...t.textContent.slice(2)].map((digit) => '⁰¹²³⁴⁵⁶⁷⁸⁹'.indexOf(digit)).join('')),
+          Number(t.getAttribute('x')),
+        ]),
     );
     const decade = (ticks.at(-1)[1] - ticks[0][1]) / (ticks.at(-1)[0] - ticks[0][0]);
     near(required[0] - present[0], decade * Math.log10(remedy.required.factor), 0.05, 'distance');

@@ -48,6 +48,12 @@ export function unseen(text: string): HTMLSpanElement {
 let identifiers = 0;
 export const identifier = (prefix: string): string => `${prefix}-${++identifiers}`;
 
+/** Shows a command. Its lines end at spaces, not within a name or an option (`--pose`). */
+export function showCommand(element: HTMLElement, text: string): void {
+  const words = text.split(' ').map((word) => html('span', { class: 'word' }, word));
+  element.replaceChildren(...words.flatMap((word, k) => (k === 0 ? [word] : [' ', word])));
+}
+
 /** A button that says what it does. */
 export function button(
   text: string,
@@ -125,6 +131,16 @@ export function describeCanvas(element: HTMLElement, words: string): void {
   const canvas = element.querySelector('canvas');
   canvas?.setAttribute('role', 'img');
   canvas?.setAttribute('aria-label', words);
+}
+
+/** Calls `act` where `element` has another width than before. It must not change the height of `element`. */
+export function onNewWidth(element: Element, act: () => void): void {
+  let width = 0;
+  new ResizeObserver(() => {
+    if (element.clientWidth === width) return;
+    width = element.clientWidth;
+    act();
+  }).observe(element);
 }
 
 /** Offers `content` as a file, made here and now. */

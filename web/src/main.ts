@@ -15,6 +15,10 @@ function start(): void {
   onSystemTheme(() => state.tell('theme'));
   showCoreFailures(host);
   renderSections(state, host);
+  // on paper nothing is folded
+  addEventListener('beforeprint', () => {
+    for (const part of host.querySelectorAll('details')) part.open = true;
+  });
 }
 
 try {

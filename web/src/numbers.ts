@@ -8,6 +8,12 @@ export const fixed = (value: number, digits: number): string => minus(value.toFi
 export const significant = (value: number, digits: number): string =>
   String(Number(value.toPrecision(digits))).replace('-', '−');
 
+/** With four digits: "0.4882", "1.573e5". */
+export const plain = (value: number): string =>
+  Math.abs(value) >= 1e5 || (value !== 0 && Math.abs(value) < 1e-2)
+    ? value.toPrecision(4).replace('e+', 'e')
+    : String(Number(value.toPrecision(4)));
+
 /**
  * A value and half of its interval to the same decimal place, that of the second significant digit of the half;
  * `otherwise`: decimals where there is no interval.

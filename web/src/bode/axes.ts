@@ -1,8 +1,8 @@
 // The axes of diagrams over frequency.
 
 import type uPlot from 'uplot';
-import { significant, tick } from '../numbers';
-import { logTicks, magnitudeTicks } from './picture';
+import { tick } from '../numbers';
+import { labelled, magnitudeTicks, tickText } from './ticks';
 
 /** Shows every tick. */
 const all = (_: uPlot, splits: number[]): number[] => splits;
@@ -13,9 +13,13 @@ export function frequencyAxis(logarithmic: boolean, last: boolean): uPlot.Axis {
     ...(last ? { label: 'frequency in Hz' } : {}),
     ...(logarithmic
       ? {
-          splits: (plot) => logTicks(plot.scales['x']!.min!, plot.scales['x']!.max!, plot.width < 520),
+          splits: (plot) => {
+            const { min, max } = plot.scales['x']!;
+            const left = plot.bbox.left / devicePixelRatio;
+            return labelled(min!, max!, (value) => left + plot.valToPos(value, 'x'), plot.width);
+          },
           filter: all,
-          values: (_, splits) => splits.map((value) => significant(value, 3)),
+          values: (_, splits) => splits.map(tickText),
         }
       : {}),
   };

@@ -5,6 +5,7 @@ import { magnitude, phase, type Complex } from '../complex';
 import { tick } from '../numbers';
 import type { Palette } from '../palette';
 import { titleOf, unitOf, type Curves, type Mark } from './curves';
+import { labelled, magnitudeTicks, tickText } from './ticks';
 
 interface Frame {
   x(frequency: number): number;
@@ -16,36 +17,7 @@ const [width, height] = [860, 560];
 const margin = { left: 78, right: 18, top: 44, bottom: 46 };
 const phaseHeight = 130;
 const gap = 26;
-
-/** Ticks of a logarithmic axis: decades, and 2 and 5 (or all digits) where there are few decades. */
-export function logTicks(from: number, to: number, narrow = false): number[] {
-  const decades = Math.log10(to / from);
-  const steps =
-    decades > 6 ? [1] : decades > (narrow ? 0.7 : 1.7) ? [1, 2, 5] : [1, 2, 3, 4, 5, 6, 7, 8, 9];
-  const values: number[] = [];
-  for (let e = Math.floor(Math.log10(from)); e <= Math.ceil(Math.log10(to)); ++e)
-    for (const step of steps) {
-      const value = step * 10 ** e;
-      if (value >= from * (1 - 1e-9) && value <= to * (1 + 1e-9)) values.push(value);
-    }
-  return values;
-}
-
-/** At most ten ticks of a logarithmic axis of magnitudes. */
-export function magnitudeTicks(from: number, to: number): number[] {
-  const decades = Math.log10(to / from);
-  const all = logTicks(from, to);
-  const isDecade = (value: number) =>
-    Math.abs(Math.log10(value) - Math.round(Math.log10(value))) < 1e-9;
-  const shown =
-    decades > 2.5
-      ? all.filter(isDecade)
-      : decades > 1
-        ? all.filter((v) => /^[125]/.test(v.toExponential()))
-        : all;
-  const every = Math.ceil(shown.length / 10);
-  return shown.filter((_, i) => i % every === 0);
-}
+const headroom = 22;
 
 function path(
   frame: Frame,
@@ -101,7 +73,7 @@ function frequencyAxis(
   bottom: number,
   colours: Palette,
 ) {
-  for (const f of logTicks(from, to)) {
+  for (const f of labelled(from, to, frame.x, width)) {
     const x = frame.x(f);
     picture.append(
       svg('line', {
@@ -115,7 +87,7 @@ function frequencyAxis(
       svg(
         'text',
         { x, y: bottom + 16, 'text-anchor': 'middle', fill: colours.faint },
-        String(Number(f.toPrecision(3))),
+        tickText(f),
       ),
     );
   }
@@ -147,7 +119,9 @@ function magnitudePart(
     .flatMap((H) => (H ?? []).map(magnitude))
     .filter((value) => value > 0);
   const low = values.reduce((a, b) => Math.min(a, b), Infinity);
-  const high = values.reduce((a, b) => Math.max(a, b), 0) * 1.5;
+  const most = values.reduce((a, b) => Math.max(a, b), 0);
+  // room for the number of a mode above its peak
+  const high = most * Math.max(1.5, (most / low) ** (headroom / (bottom - top - headroom)));
   const y = (value: number) =>
     bottom - ((bottom - top) * Math.log(Math.max(value, low) / low)) / Math.log(high / low);
   box(picture, frame, top, bottom, colours);
@@ -306,7 +280,7 @@ function marksAt(
 
 function legend(picture: SVGElement, curves: Curves, colours: Palette) {
   const names = ['flexible legs (numbers: modes)', 'rigid legs'];
-  let x = width - margin.right - (curves.flexible ? 300 : 100);
+  let x = width - margin.right - (curves.flexible ? 342 : 100);
   both(curves).forEach((H, k) => {
     if (!H) return;
     const line = lines(colours)[k];
@@ -322,7 +296,7 @@ function legend(picture: SVGElement, curves: Curves, colours: Palette) {
       }),
       svg('text', { x: x + 32, y: 18 }, names[k]),
     );
-    x += 212;
+    x += 248;
   });
 }
 

@@ -7,7 +7,7 @@ import { axisStyle, type Palette } from '../palette';
 import { frequencyAxis, magnitudeAxis, phaseAxis, phaseScale } from './axes';
 import { unitOf, type Curves, type Mark } from './curves';
 import { clusters } from './picture';
-import { fitWidth, widthIn } from './stack';
+import { followWidth, widthIn } from './stack';
 
 export interface PlotEvents {
   cursor(index: number | null): void;
@@ -26,7 +26,7 @@ export class BodePlot {
   private pointed = false;
 
   constructor(private readonly events: PlotEvents) {
-    new ResizeObserver(() => fitWidth(this.plots, widthIn(this.element))).observe(this.element);
+    followWidth(this.element, () => this.plots);
     this.element.addEventListener('pointermove', () => (this.pointed = true), { capture: true });
   }
 

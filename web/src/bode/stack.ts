@@ -25,13 +25,23 @@ export function fitWidth(plots: uPlot[], width: number): void {
   for (const plot of plots) if (plot.width !== width) plot.setSize({ width, height: plot.height });
 }
 
+/** Of the text on A4 with the margins of print.css [px]. */
+const paper = 680;
+
+/** The diagrams in `element` have its width, or on paper that of the paper. */
+export function followWidth(element: HTMLElement, plots: () => uPlot[]): void {
+  new ResizeObserver(() => fitWidth(plots(), widthIn(element))).observe(element);
+  addEventListener('beforeprint', () => fitWidth(plots(), paper));
+  addEventListener('afterprint', () => fitWidth(plots(), widthIn(element)));
+}
+
 export class DiagramStack {
   readonly element = html('div', { class: 'plots' });
   private plots: uPlot[] = [];
 
   /** `key`: diagrams of one key share their cursor. */
   constructor(private readonly key: string) {
-    new ResizeObserver(() => fitWidth(this.plots, widthIn(this.element))).observe(this.element);
+    followWidth(this.element, () => this.plots);
   }
 
   show(diagrams: Diagram[]): void {

@@ -11,6 +11,13 @@ import type { Comparison, Identification } from './types';
 
 const percent = (ratio: number, digits = 2) => `${fixed(100 * ratio, digits)} %`;
 
+/** A damping ratio in % with half of its 95 % interval. That of a real pole is exactly 100 %. */
+function dampingText(ratio: number, half: number): [value: string, half: string] {
+  if (Math.abs(ratio - 1) < 1e-9) return ['100 %', '–'];
+  const [value, interval] = withInterval(100 * ratio, 100 * half, 2);
+  return [`${value} %`, `${interval} %`];
+}
+
 /** The outputs that move most, in one unit as they are, else each in proportion to the size of its own
  * responses; of poles that the reader has chosen. */
 function moving(data: Identification, shape: Complex[]): string {
@@ -84,7 +91,7 @@ export class PoleTable {
   /** `fit`: the last one there was. */
   show(fit: Fit | null): void {
     const focused = (document.activeElement as HTMLElement | null)?.dataset ?? {};
-    this.motions = this.choice.poles.map(() => html('td'));
+    this.motions = this.choice.poles.map(() => html('td', { class: 'label' }));
     this.body.replaceChildren(...this.choice.poles.map((pole, k) => this.row(pole, k)));
     this.showMotions(fit);
     for (const name of ['pole', 'shape'])
@@ -121,15 +128,15 @@ export class PoleTable {
           : null;
     const mode = pole.kind === 'mode' ? this.data.modes[pole.number - 1] : null;
     const frequency = fitted && withInterval(pole.frequency_hz, fitted.frequency_95_hz, 3);
-    const damping = fitted && withInterval(100 * pole.damping_ratio, 100 * fitted.damping_95, 2);
+    const damping = fitted && dampingText(pole.damping_ratio, fitted.damping_95);
     return html(
       'tr',
       { class: pole.on ? null : 'off' },
       html('th', { scope: 'row' }, this.name(pole, index)),
       numeric(frequency ? frequency[0] : hertz(pole.frequency_hz)),
       numeric(frequency ? frequency[1] : '–'),
-      numeric(damping ? `${damping[0]} %` : percent(pole.damping_ratio)),
-      numeric(damping ? `${damping[1]} %` : '–'),
+      numeric(damping ? damping[0] : percent(pole.damping_ratio)),
+      numeric(damping ? damping[1] : '–'),
       this.motions[index],
       numeric(mode ? fixed(mode.mpc, 3) : '–'),
       numeric(mode ? `${fixed((180 / Math.PI) * mode.mpd_rad, 1)}°` : '–'),

@@ -1,7 +1,7 @@
 // All data to reproduce the numbers.
 
 import type { PoseReport, Report } from '../document';
-import { button, download, html } from '../dom';
+import { button, download, html, showCommand } from '../dom';
 import { list } from '../numbers';
 import type { State } from '../state';
 import type { Section } from './section';
@@ -83,10 +83,20 @@ function poseText({ pose }: PoseReport): string {
   return `position (${list(pose.position_m, 4)}) m, rotation (${degrees(pose.rotation_rad)})° about x, y, z`;
 }
 
+function commandLine(words: string[]): HTMLElement {
+  const element = html('pre', { class: 'command', tabindex: 0, 'aria-label': 'Command' });
+  showCommand(element, command(words));
+  return element;
+}
+
+/** "Read with --measured" on one line. */
+const unbroken = (name: string): (Node | string)[] =>
+  name.split(/(--\w+)/).map((part, k) => (k % 2 === 1 ? html('span', { class: 'word' }, part) : part));
+
 function render(state: State, host: HTMLElement): void {
   const { report } = state;
   const rows = facts(report).map(([name, value]) =>
-    html('tr', {}, html('th', { scope: 'row' }, name), html('td', {}, value)),
+    html('tr', {}, html('th', { scope: 'row' }, ...unbroken(name)), html('td', {}, value)),
   );
   host.append(
     html(
@@ -98,11 +108,7 @@ function render(state: State, host: HTMLElement): void {
     ...(report.reproduction
       ? [
           html('h3', {}, 'Command'),
-          html(
-            'pre',
-            { class: 'command', tabindex: 0, 'aria-label': 'Command' },
-            command(report.reproduction.command),
-          ),
+          commandLine(report.reproduction.command),
         ]
       : []),
     button(

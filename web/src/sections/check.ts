@@ -137,7 +137,7 @@ function legTable(pose: PoseCheck): HTMLElement {
   const shown = columns.filter(([, value]) => pose.legs.some((leg) => typeof value(leg) === 'number'));
   return html(
     'table',
-    { class: 'numbers-table' },
+    { class: 'numbers-table check-legs' },
     html('caption', {}, 'Legs at rest; forces are positive in compression, pressures absolute'),
     html('thead', {}, html('tr', {}, html('th', { scope: 'col' }, 'leg'), ...shown.map(([title]) => html('th', { scope: 'col' }, title)))),
     html('tbody', {}, ...pose.legs.map((leg, i) => html('tr', {}, html('th', { scope: 'row' }, i + 1), ...shown.map(([, value, digits]) => {

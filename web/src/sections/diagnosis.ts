@@ -2,10 +2,11 @@
 // ranking, the required stiffness. A click on a measured mode shows the machine moving in this mode.
 
 import { energyParts, stackedBar } from '../bars';
-import type { Diagnosis, DiagnosedMode, Hypothesis, Remedy } from '../document';
-import { button, html, svg } from '../dom';
-import { fixed, hertz, raised, signedPercent, withInterval } from '../numbers';
 import { Prediction } from '../diagnosis/prediction';
+import { StiffnessPicture, stiffnessWords } from '../diagnosis/stiffness';
+import type { Diagnosis, DiagnosedMode, Hypothesis } from '../document';
+import { button, html } from '../dom';
+import { hertz, plain, raised, signedPercent, withInterval } from '../numbers';
 import type { State } from '../state';
 import { scroller, tableHead } from '../table';
 import type { Section } from './section';
@@ -16,11 +17,6 @@ export const diagnosis: Section = {
   applies: (report) => report.diagnosis !== undefined,
   render,
 };
-
-const plain = (value: number): string =>
-  Math.abs(value) >= 1e5 || (value !== 0 && Math.abs(value) < 1e-2)
-    ? value.toPrecision(4).replace('e+', 'e')
-    : String(Number(value.toPrecision(4)));
 
 /** The mode of the page's first pose whose frequency is closest to the fitted one of `mode`. */
 function shownMode(state: State, mode: DiagnosedMode): number {
@@ -98,12 +94,11 @@ const values = (e: Hypothesis): string =>
     )
     .join('; ');
 
-/** The first `count` of a list, the others folded; on paper all of them. */
+/** The first `count` of a list, the others folded. */
 function folded(items: HTMLElement[], count: number, list: (part: HTMLElement[], from: number) => HTMLElement, words: (rest: number) => string): HTMLElement[] {
   const rest = items.slice(count);
   if (rest.length === 0) return [list(items, 1)];
   const more = html('details', { class: 'more' }, html('summary', {}, words(rest.length)), list(rest, count + 1));
-  addEventListener('beforeprint', () => (more.open = true));
   return [list(items.slice(0, count), 1), more];
 }
 
@@ -141,84 +136,10 @@ function ranking(found: Diagnosis, show: (hypothesis: number) => void): { parts:
     }),
     Math.max(3, shown.filter((e) => e.equally_good).length),
     (part, from) => html('ol', { class: 'ranking', start: from }, ...part),
-    (rest) => `${rest} more hypotheses`,
+    (rest) => (rest === 1 ? '1 more hypothesis' : `${rest} more hypotheses`),
   );
   const mark = (hypothesis: number) => buttons.forEach((b, k) => b.setAttribute('aria-pressed', String(k === hypothesis)));
   return { parts, mark };
-}
-
-const [width, height] = [720, 300];
-const [left, right, top, bottom] = [64, 16, 16, 46];
-
-/** Stiffness on a logarithmic axis, and above it the drop [%] or the frequency [Hz]. */
-function axesOf(remedy: Remedy) {
-  const isDrop = remedy.goal.drop !== undefined;
-  const y = (p: { drop: number; frequency_hz: number }) => (isDrop ? 100 * p.drop : p.frequency_hz);
-  // from the stiff end to buckling
-  let first = remedy.curve.length;
-  while (first > 0 && (remedy.curve[first - 1]?.frequency_hz ?? 0) > 0) --first;
-  const points = remedy.curve.slice(first);
-  const goal = isDrop ? 100 * (remedy.goal.drop ?? 0) : (remedy.goal.frequency_hz ?? 0);
-  const x0 = Math.log10(points[0]?.stiffness_N_m ?? 1);
-  const x1 = Math.log10(points[points.length - 1]?.stiffness_N_m ?? 10);
-  const all = [...points.map(y), goal];
-  const [y0, y1] = [Math.min(0, ...all), Math.max(...all) * 1.05];
-  const px = (stiffness: number) => left + ((Math.log10(stiffness) - x0) / (x1 - x0)) * (width - left - right);
-  const py = (value: number) => height - bottom - ((value - y0) / (y1 - y0)) * (height - top - bottom);
-  return { isDrop, points, goal, x0, x1, y0, y1, y, px, py };
-}
-
-function grid({ isDrop, x0, x1, y0, y1, px, py }: ReturnType<typeof axesOf>): SVGElement[] {
-  const parts: SVGElement[] = [];
-  for (let decade = Math.ceil(x0); decade <= x1; ++decade) {
-    const x = px(10 ** decade);
-    parts.push(
-      svg('line', { x1: x, x2: x, y1: top, y2: height - bottom, class: 'grid' }),
-      svg('text', { x, y: height - bottom + 16, 'text-anchor': 'middle' }, `1e${decade}`),
-    );
-  }
-  for (let k = 0; k <= 4; ++k) {
-    const value = y0 + ((y1 - y0) * k) / 4;
-    const y = py(value);
-    parts.push(
-      svg('line', { x1: left, x2: width - right, y1: y, y2: y, class: 'grid' }),
-      svg('text', { x: left - 6, y: y + 4, 'text-anchor': 'end' }, fixed(value, y1 < 20 ? 1 : 0)),
-    );
-  }
-  const middle = { 'text-anchor': 'middle' };
-  parts.push(
-    svg('text', { x: (left + width - right) / 2, y: height - 8, ...middle }, 'stiffness of the guide sleeves, N/m'),
-    svg('text', { x: 14, y: height / 2, ...middle, transform: `rotate(-90 14 ${height / 2})` }, isDrop ? 'largest drop, %' : 'lowest resonance, Hz'),
-  );
-  return parts;
-}
-
-/** Frequency or drop as a function of stiffness, with the value of the computed machine and the required one. */
-function curve(remedy: Remedy, machine: string): SVGSVGElement {
-  const axes = axesOf(remedy);
-  const { isDrop, points, goal, y, px, py } = axes;
-  const path = points
-    .map((p, k) => `${k === 0 ? 'M' : 'L'}${px(p.stiffness_N_m).toFixed(2)} ${py(y(p)).toFixed(2)}`)
-    .join('');
-  const stiffness = (p: Remedy['present']) =>
-    `${p.softest_N_m === undefined ? '' : `${plain(p.softest_N_m)} to `}${plain(p.stiffness_N_m)} N/m`;
-  const label = `${remedy.goal.words}: ${machine} ${stiffness(remedy.present)}, required ${stiffness(remedy.required)}`;
-  const mark = (p: Remedy['present'], r: number, kind: string, name: string) =>
-    svg('circle', { cx: px(p.stiffness_N_m), cy: py(y(p)), r, class: kind, 'data-mark': name });
-  return svg(
-    'svg',
-    {
-      viewBox: `0 0 ${width} ${height}`,
-      role: 'img',
-      'aria-label': `${isDrop ? 'Largest drop' : 'Lowest resonance'} as a function of the stiffness of the guide sleeves; ${label}`,
-      class: 'stiffness',
-    },
-    ...grid(axes),
-    svg('line', { x1: left, x2: width - right, y1: py(goal), y2: py(goal), class: 'wanted' }),
-    svg('path', { d: path, class: 'line' }),
-    mark(remedy.present, 6, 'nominal', 'present'),
-    remedy.status === 'found' && mark(remedy.required, 5, 'required', 'required'),
-  );
 }
 
 function render(state: State, host: HTMLElement): void {
@@ -230,7 +151,7 @@ function render(state: State, host: HTMLElement): void {
       found.summary.map((sentence) => html('li', {}, sentence)),
       3,
       (part, from) => html('ul', { class: from === 1 ? 'findings first' : 'findings' }, ...part),
-      (rest) => `${rest} more findings`,
+      (rest) => (rest === 1 ? '1 more finding' : `${rest} more findings`),
     ),
   );
   if (found.measured_modes && found.measured_modes.length > 0)
@@ -241,8 +162,7 @@ function render(state: State, host: HTMLElement): void {
     prediction.onShow = mark;
     prediction.show(0);
     state.listen((change) => change === 'theme' && prediction.draw());
-    left.append(html('h3', {}, 'Prediction and measurement'), prediction.element);
-    right.append(html('h3', {}, 'Hypotheses'), ...parts);
+    right.append(html('h3', {}, 'Hypotheses'), ...parts, html('h3', {}, 'Prediction and measurement'), prediction.element);
     window.hydrapod.diagnosis = {
       show: (hypothesis) => prediction.show(hypothesis),
       shown: () => prediction.shown,
@@ -251,14 +171,10 @@ function render(state: State, host: HTMLElement): void {
     };
   }
   if (found.remedy)
-    right.append(
+    left.append(
       html('h3', {}, `Required stiffness of the guide sleeves for ${found.remedy.goal.words}`),
-      html('figure', { class: 'scroller', tabindex: 0, 'aria-label': 'Required stiffness of the guide sleeves' }, curve(found.remedy, found.computed_machine)),
-      html(
-        'p',
-        { class: 'note' },
-        `Open circle: ${found.computed_machine} machine. Filled: required. Dashed: goal. The legs buckle below the first stiffness of the curve.`,
-      ),
+      new StiffnessPicture(found.remedy, found.computed_machine).element,
+      html('p', { class: 'note' }, stiffnessWords(found.remedy, found.computed_machine)),
     );
   const parts = [left, right].filter((part) => part.childElementCount > 0);
   host.append(html('div', { class: parts.length > 1 ? 'diagnosis-parts' : '' }, ...parts));

@@ -118,7 +118,7 @@ class ModeTable {
       { class: 'unseen' },
       'Modes: the number of a mode shows its motion; column heads sort.',
     );
-    const table = html('table', { class: 'modes' }, caption, this.head, this.body);
+    const table = html('table', { class: 'modes sorted' }, caption, this.head, this.body);
     host.append(scroller('Mode table', table));
     state.listen((change) =>
       change === 'mode'
@@ -173,6 +173,7 @@ class ModeTable {
         {
           scope: 'col',
           class: kind,
+          'data-title': title,
           'aria-sort': sorted ? (this.ascending ? 'ascending' : 'descending') : 'none',
         },
         control,

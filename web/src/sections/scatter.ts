@@ -4,13 +4,13 @@ import { map, mapStatus, type Core, type Parameter, type Scatter as Request } fr
 import { assignments, shellCommand } from '../core/edits';
 import { beginWhenSeen, failureText, idle, sharedCore } from '../core/shared';
 import type { Editable } from '../document';
-import { button, html, identifier } from '../dom';
+import { button, html, identifier, onNewWidth, showCommand } from '../dom';
 import { fixed, significant } from '../numbers';
 import { describe, histogram } from '../scatter/distribution';
 import type { State } from '../state';
 import { displacementOf } from '../workspace/displacement';
 import { poseText, quantities } from '../workspace/quantities';
-import { scroller, tableHead } from '../table';
+import { refill, scroller, tableHead } from '../table';
 import type { Section } from './section';
 
 export const scatter: Section = {
@@ -78,6 +78,7 @@ class Scatter {
     );
     state.listen((change) => (change === 'numbers' || change === 'pose') && this.core && this.calculate());
     this.ready = beginWhenSeen(host, () => this.start(), (words) => host.append(failureText(words)));
+    onNewWidth(this.picture, () => this.rows.length > 0 && this.show());
     this.offerHook();
   }
 
@@ -182,7 +183,7 @@ class Scatter {
     };
     for (const control of [value, sense, bound]) control.addEventListener('change', read);
     const field = (id: string, label: string, control: HTMLElement) => html('div', { class: 'field' }, html('label', { for: id }, label), control);
-    return html('div', { class: 'row' }, field(valueId, 'Value shown', value), field(senseId, 'Required', sense), field(boundId, 'Bound', bound));
+    return html('div', { class: 'row fields-row' }, field(valueId, 'Value shown', value), field(senseId, 'Required', sense), field(boundId, 'Bound', bound));
   }
 
   // ---- samples -----------------------------------------------------------------------------------
@@ -227,7 +228,8 @@ class Scatter {
     const cells: [string, number][] = found
       ? [['mean', found.mean], ['standard deviation', found.deviation], ['5 %', found.quantiles[0]], ['median', found.quantiles[1]], ['95 %', found.quantiles[2]]]
       : [];
-    this.table.replaceChildren(
+    refill(
+      this.table,
       html('table', { class: 'scatter-numbers' },
         tableHead(...cells.map(([name]): [string] => [name])),
         html('tbody', {}, html('tr', {}, ...cells.map(([, value]) => html('td', {}, `${significant(value, 5)} ${quantity.unit}`))))),
@@ -253,7 +255,7 @@ class Scatter {
     const row = await (this.core as Core).map(set, Float64Array.from(place));
     const status = row[map.status] as number;
     const none = `No command has these samples: the machine that is shown has no modes to follow (${mapStatus[status]}).`;
-    this.commandLine.textContent = vary.length === 0 ? '' : status === 0 ? this.command() : none;
+    showCommand(this.commandLine, vary.length === 0 ? '' : status === 0 ? this.command() : none);
   }
 
   private command(): string {

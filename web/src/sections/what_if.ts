@@ -4,9 +4,9 @@ import type { Buckling, Computed, Core, Setting } from '../core/core';
 import { assignments, displacementIn, Edits, fragmentOf, fromFragment, holdsState, settings, shellCommand, type Values } from '../core/edits';
 import { beginWhenSeen, failureText, sharedCore, touch } from '../core/shared';
 import { directions, type Editable, type PoseReport } from '../document';
-import { button, html } from '../dom';
+import { button, html, showCommand } from '../dom';
 import type { State } from '../state';
-import { scroller } from '../table';
+import { refill, scroller } from '../table';
 import { ParameterList } from '../whatif/list';
 import { bucklingText, magnitudes, resultTable, SmallBode, type Curve } from '../whatif/results';
 import type { Section } from './section';
@@ -211,10 +211,10 @@ class WhatIf {
     const warnings = findings.filter((finding) => !finding.error);
     if (!text && count > 0 && warnings.length > 0)
       this.state_.textContent += ` Warning: ${warnings.map((w) => `${w.key}: ${w.message}`).join('; ')}.`;
-    this.table.replaceChildren(resultTable(a.computed.pose ?? null, pose ?? null));
+    refill(this.table, resultTable(a.computed.pose ?? null, pose ?? null));
     this.showBuckling();
     this.showCurves();
-    this.commandLine.textContent = this.command();
+    showCommand(this.commandLine, this.command());
   }
 
   private showBuckling(): void {

@@ -5,7 +5,7 @@ import { map, mapStatus, type Core } from '../core/core';
 import { assignments, shellCommand } from '../core/edits';
 import { beginWhenSeen, failureText, idle, sharedCore } from '../core/shared';
 import { directions, type Editable } from '../document';
-import { button, html, identifier, slider, type Slider } from '../dom';
+import { button, html, identifier, showCommand, slider, type Slider } from '../dom';
 import type { State } from '../state';
 import { displacementOf } from '../workspace/displacement';
 import { Field, finest, type Range } from '../workspace/field';
@@ -206,7 +206,7 @@ class Workspace {
     const other = this.fixed.map((value, d) => (d === this.across || d === this.up ? 0 : value));
     const row = await (this.core as Core).map(this.set ?? [], Float64Array.from(other));
     if (row[map.status] === 0) this.showCommandFrom(other);
-    else this.commandLine.textContent = `No command has this map: at the pose ${poseText(other)}, from which it would follow the modes, there are none (${mapStatus[row[map.status] as number]}).`;
+    else showCommand(this.commandLine, `No command has this map: at the pose ${poseText(other)}, from which it would follow the modes, there are none (${mapStatus[row[map.status] as number]}).`);
   }
 
   private showCommandFrom(other: number[]): void {
@@ -214,9 +214,10 @@ class Workspace {
     const { overrides, model } = report.editable as Editable;
     const turns = directions.filter((_, d) => d > 2 && (d === this.across || d === this.up || other[d] !== 0)).length;
     if (!overrides || (turns > 1 && other.slice(3).some((value) => value !== 0))) {
-      this.commandLine.textContent = overrides
+      const none = overrides
         ? 'hydrapod map counts rotations from the pose of --pose: no command has this slice.'
         : 'No command leads to this machine: its numbers come from a diagnosis.';
+      showCommand(this.commandLine, none);
       return;
     }
     const over = [this.across, this.up].flatMap((d) => {
@@ -226,10 +227,11 @@ class Workspace {
     });
     const pose = poseText(other);
     const changed = assignments(new Map(this.set ?? []), this.core?.parameters ?? []);
-    this.commandLine.textContent = shellCommand([
+    const words = [
       'hydrapod', 'map', report.machine.file, ...(pose === 'neutral' ? [] : ['--pose', pose]), '--model', model, ...over,
       ...[...overrides, ...changed].flatMap((text) => ['--set', text]), '--plot', 'map.svg', '--value', this.quantity.column,
-    ]);
+    ];
+    showCommand(this.commandLine, shellCommand(words));
   }
 
   private choosers(): HTMLElement {
@@ -252,7 +254,7 @@ class Workspace {
       this.show();
       void this.showCommand();
     }, 'map-value');
-    return html('div', { class: 'row workspace-choosers' }, value.element, across.element, up.element);
+    return html('div', { class: 'row fields-row workspace-choosers' }, value.element, across.element, up.element);
   }
 
   private showTurn: () => void = () => {};

@@ -1,8 +1,9 @@
 // What came of it: A, the machine one compares with, beside B, the machine with the values shown.
 
+import { labelled, tickText } from '../bode/ticks';
 import type { Buckling, Computed } from '../core/core';
 import { directions, type Mode, type PoseReport } from '../document';
-import { html, svg } from '../dom';
+import { html, onNewWidth, svg } from '../dom';
 import { fixed, hertz, signedPercent, tick } from '../numbers';
 
 const two_pi = 2 * Math.PI;
@@ -124,8 +125,14 @@ export class SmallBode {
   readonly element = svg('svg', { class: 'small-bode', role: 'img', 'aria-label': 'Bode diagram' });
   /** As wide as it stands in the page, so that its text keeps its size. */
   private width = widest;
+  private drawn: [curves: Curve[], title: string, unit: string] = [[], '', ''];
+
+  constructor() {
+    onNewWidth(this.element, () => this.show(...this.drawn));
+  }
 
   show(curves: Curve[], title: string, unit: string): void {
+    this.drawn = [curves, title, unit];
     this.width = Math.min(widest, Math.max(narrowest, this.element.clientWidth || widest));
     const { width } = this;
     this.element.setAttribute('viewBox', `0 0 ${width} ${height}`);
@@ -166,16 +173,13 @@ export class SmallBode {
     const parts: SVGElement[] = [];
     const { width } = this;
     const bottom = height - inside.bottom;
-    for (let e = Math.floor(Math.log10(from / two_pi)); e <= Math.log10(to / two_pi); ++e)
-      for (const factor of [1, 2, 5]) {
-        const hz = factor * 10 ** e;
-        if (hz * two_pi < from || hz * two_pi > to) continue;
-        const at = x(hz * two_pi);
-        parts.push(
-          svg('line', { x1: at, x2: at, y1: inside.top, y2: bottom, class: 'grid' }),
-          svg('text', { x: at, y: bottom + 14, 'text-anchor': 'middle' }, plainNumber(hz)),
-        );
-      }
+    for (const hz of labelled(from / two_pi, to / two_pi, (value) => x(two_pi * value), width)) {
+      const at = x(two_pi * hz);
+      parts.push(
+        svg('line', { x1: at, x2: at, y1: inside.top, y2: bottom, class: 'grid' }),
+        svg('text', { x: at, y: bottom + 14, 'text-anchor': 'middle' }, tickText(hz)),
+      );
+    }
     for (let e = Math.ceil(Math.log10(low)); e <= Math.log10(high); ++e) {
       const at = y(10 ** e);
       parts.push(
@@ -194,5 +198,3 @@ export class SmallBode {
     return parts;
   }
 }
-
-const plainNumber = (value: number): string => String(Number(value.toPrecision(3)));

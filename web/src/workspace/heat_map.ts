@@ -2,7 +2,7 @@
 
 import { map, mapStatus } from '../core/core';
 import { directions } from '../document';
-import { html, svg } from '../dom';
+import { html, onNewWidth, svg } from '../dom';
 import { significant } from '../numbers';
 import { contour, niceLevels } from './contour';
 import { finest, type Field } from './field';
@@ -59,6 +59,8 @@ export class HeatMap {
   readonly element = html('div', { class: 'heat-map-box' }, this.picture, this.reasons);
   private width = widest;
   private field: Field | null = null;
+  private marked: readonly number[] | null = null;
+  private shown: [field: Field, quantity: Quantity, title: string] | null = null;
 
   /** `moved` gets displacements in the two directions [m, rad]; `done` ends a drag. */
   constructor(moved: (across: number, up: number) => void, done: () => void) {
@@ -74,8 +76,16 @@ export class HeatMap {
       move(event);
     });
     this.picture.addEventListener('pointermove', (event) => this.picture.hasPointerCapture(event.pointerId) && move(event));
+    onNewWidth(this.picture, () => this.redraw());
     this.picture.addEventListener('pointerup', done);
     this.picture.addEventListener('pointercancel', done);
+  }
+
+  /** For another width. */
+  private redraw(): void {
+    if (!this.shown) return;
+    this.show(...this.shown);
+    if (this.marked) this.mark(this.marked);
   }
 
   private get plotWidth(): number {
@@ -100,6 +110,7 @@ export class HeatMap {
 
   show(field: Field, quantity: Quantity, title: string): void {
     this.field = field;
+    this.shown = [field, quantity, title];
     this.width = Math.min(widest, Math.max(narrowest, this.element.clientWidth || widest));
     this.picture.setAttribute('viewBox', `0 0 ${this.width} ${height}`);
     this.picture.setAttribute('aria-label', title);
@@ -195,6 +206,7 @@ export class HeatMap {
 
   /** `displaced`: of all directions [m, rad]. */
   mark(displaced: readonly number[]): void {
+    this.marked = displaced;
     const { field } = this;
     if (!field || field.count === 0) return;
     const [x, y] = [this.x(displaced[field.across]!), this.y(displaced[field.up]!)];

@@ -1,0 +1,164 @@
+// Every kind of section at every width: nothing is cut, overlaps or leaves the window.
+import assert from 'node:assert/strict';
+import { test } from 'node:test';
+import { model, published, report, hydrapod, still, temporary, withPage } from './support.mjs';
+
+const widths = [360, 768, 1400, 2560];
+
+/** Sections that calculate have done so: their tables and diagrams have numbers. */
+const calculated = (page) =>
+  page.evaluate(async () => {
+    const { bode, whatIf, workspace, scatter, identification } = window.hydrapod;
+    for (const part of [bode, whatIf, workspace, scatter, identification]) await part?.ready;
+    await workspace?.complete();
+    await scatter?.complete();
+  });
+
+/** What is wrong with the layout of the page as it stands, in words. */
+const faults = (page) =>
+  page.evaluate(() => {
+    const found = new Set();
+    const root = document.documentElement;
+    if (root.scrollWidth > root.clientWidth) found.add(`the page is ${root.scrollWidth} px wide in a window of ${root.clientWidth} px`);
+    const named = (e) => {
+      const words = (e.textContent || e.getAttribute('aria-label') || '').trim().replace(/\s+/g, ' ').slice(0, 50);
+      return `${e.closest('main > section')?.id ?? 'top'}: <${e.localName} class="${e.getAttribute('class') ?? ''}"> "${words}"`;
+    };
+    // what is for screen readers only is one pixel large
+    const unseen = (e) => e.closest('.unseen, .skip, .stacked:not(.sorted) > thead') !== null;
+    const isSeen = (e) => e.checkVisibility() && !unseen(e);
+    for (const e of document.querySelectorAll('#report *')) {
+      if (!isSeen(e)) continue;
+      const box = e.getBoundingClientRect();
+      if (box.width === 0 || box.height === 0) continue;
+      if (box.right > root.clientWidth + 0.5 || box.left < -0.5) found.add(`leaves the window: ${named(e)}`);
+      const style = getComputedStyle(e);
+      const isBox = e instanceof HTMLElement && style.display !== 'inline' && e.clientWidth > 0;
+      const isFile = e.matches('pre.file'); // long lines of a file scroll
+      if (isBox && !isFile && !e.matches('.plots, .plots *') && e.scrollWidth > e.clientWidth + 1)
+        found.add(`${e.scrollWidth - e.clientWidth} px of it are cut: ${named(e)}`);
+      if (e instanceof SVGTextElement) {
+        const frame = e.ownerSVGElement.getBoundingClientRect();
+        const beyond = Math.max(frame.left - box.left, box.right - frame.right);
+        if (beyond > 1) found.add(`${beyond.toFixed(1)} px of the label are cut: ${named(e)}`);
+        const scale = Math.hypot(e.getScreenCTM().a, e.getScreenCTM().b);
+        if (scale * parseFloat(style.fontSize) < 10) found.add(`too small to be read: ${named(e)}`);
+      }
+    }
+    for (const label of document.querySelectorAll('.bar-label'))
+      if (isSeen(label) && label.offsetHeight > 20) found.add(`broken in two: ${named(label)}`);
+    for (const picture of document.querySelectorAll('svg')) {
+      const labels = [...picture.querySelectorAll('text')].filter(isSeen).map((e) => [e, e.getBoundingClientRect()]);
+      labels.forEach(([e, a], k) => {
+        for (const [other, b] of labels.slice(0, k)) {
+          const across = Math.min(a.right, b.right) - Math.max(a.left, b.left);
+          const down = Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top);
+          if (across > 1 && down > 4) found.add(`"${e.textContent}" overlaps "${other.textContent}": ${named(picture)}`);
+        }
+      });
+    }
+    return [...found];
+  });
+
+let words;
+/** Of a report with all sections. */
+function everything() {
+  if (words) return words;
+  const record = temporary('layout.h5');
+  hydrapod('rig', published, '--entry', 'wrench', '--excite', 'noise all=200, to=60', '--duration', '60 s', '-o', record);
+  const comparison = temporary('layout-comparison.json');
+  hydrapod('compare', published, record, '-o', comparison);
+  return (words = [published, '--command', 'step z=5 mm', '--until', '1 s', '--measured', record, '--diagnose', record, '--compare', comparison]);
+}
+
+const kinds = {
+  'two poses with gravity, seals and stroke limits': () => [model('heavy-platform.toml'), '--pose', 'neutral', '--pose', 'low'],
+  'all sections': everything,
+};
+
+for (const [name, of] of Object.entries(kinds))
+  for (const width of widths)
+    test(`${name}: nothing is cut at ${width} px`, async () => {
+      const options = { ...still, viewport: { width, height: 900 }, ...(width < 500 ? { hasTouch: true, isMobile: true } : {}) };
+      await withPage(report(...of()), options, async (page) => {
+        await calculated(page);
+        assert.deepEqual(await faults(page), []);
+        const fold = page.locator('[data-control="fold"]');
+        if ((await fold.count()) > 0) await fold.click();
+        await page.evaluate(() => document.querySelectorAll('details').forEach((part) => (part.open = true)));
+        await page.evaluate(() => {
+          window.hydrapod.bode.setCursor(8);
+          window.hydrapod.whatIf.drag('platform.mass', 1234.5);
+          window.hydrapod.whatIf.keep();
+        });
+        await page.evaluate(() => window.hydrapod.whatIf.shown());
+        await calculated(page);
+        assert.deepEqual(await faults(page), [], 'with all parts open and a changed value');
+      });
+    });
+
+test('on paper all sections fit the width, and nothing is folded', async () => {
+  const paper = 688; // px of the text on A4 with the margins of the page
+  await withPage(report(...everything()), { ...still, viewport: { width: 2560, height: 900 } }, async (page) => {
+    await calculated(page);
+    await page.evaluate(() => dispatchEvent(new Event('beforeprint'))); // as a browser does before it prints
+    await page.emulateMedia({ media: 'print' });
+    const wide = await page.evaluate((most) => {
+      const seen = [...document.querySelectorAll('.uplot, svg, table')].filter((e) => e.checkVisibility());
+      document.getElementById('report').style.width = `${most}px`;
+      return seen.filter((e) => e.getBoundingClientRect().width > most + 0.5).map((e) => `${e.closest('section')?.id} ${e.getAttribute('class')}`);
+    }, paper);
+    assert.deepEqual(wide, []);
+    assert.equal(await page.locator('details:not([open])').count(), 0);
+    await page.emulateMedia({ media: 'screen' });
+    await page.evaluate(() => {
+      document.getElementById('report').style.width = '';
+      dispatchEvent(new Event('afterprint'));
+    });
+    assert.deepEqual(await faults(page), [], 'afterwards it is as wide as before');
+  });
+});
+
+test('a MAC matrix of many modes fits a phone', async () => {
+  await withPage(report(...everything()), { ...still, viewport: { width: 360, height: 740 }, isMobile: true }, async (page) => {
+    await page.evaluate(() => {
+      for (const row of document.querySelectorAll('.mac tr'))
+        for (let k = row.cells.length; k <= 18; ++k) {
+          const cell = row.lastElementChild.cloneNode(true);
+          if (cell.localName === 'th') cell.textContent = String(k);
+          row.append(cell);
+        }
+    });
+    await page.waitForFunction(() => document.querySelector('.mac').classList.contains('stacked'));
+    const [table, room] = await page.locator('.mac').evaluate((e) => [e.getBoundingClientRect().width, e.parentElement.clientWidth]);
+    assert.ok(table <= room + 0.5, `${table} px in ${room} px`);
+  });
+});
+
+test('a window that becomes narrow and wide again: the tables follow', async () => {
+  await withPage(report(published), { ...still, viewport: { width: 1400, height: 900 } }, async (page) => {
+    await calculated(page);
+    const stacked = () => page.locator('.stacked').count();
+    assert.equal(await stacked(), 0, 'tables are tables where there is room');
+    await page.setViewportSize({ width: 360, height: 740 });
+    await page.waitForFunction(() => document.querySelector('#modes .stacked') !== null);
+    const row = page.locator('#modes .stacked tbody tr').first();
+    const names = await row.locator('[data-column]').evaluateAll((cells) => cells.map((cell) => cell.dataset.column));
+    assert.deepEqual(names, ['Mode', 'Hz', 'rad/s', 'ζ', 'Motion', 'Compliance', 'Rigid Hz', 'Shift', 'MAC']);
+    await page.locator('#modes [data-sort="shift"]').click(); // the head still sorts
+    assert.equal(await page.locator('#modes [aria-sort="ascending"]').count(), 1);
+    assert.deepEqual(await faults(page), []);
+    await page.setViewportSize({ width: 1400, height: 900 });
+    await page.waitForFunction(() => document.querySelector('.stacked') === null);
+    assert.deepEqual(await faults(page), []);
+  });
+});
+
+test('diagrams of a narrow page: the labels of each axis stand apart', async () => {
+  await withPage(report(published), { ...still, viewport: { width: 360, height: 740 } }, async (page) => {
+    await calculated(page);
+    const drawn = page.locator('#what-if .small-bode text');
+    const labels = (await drawn.allTextContents()).filter((text) => /^\d+$/.test(text));
+    assert.ok(labels.length >= 3, `an axis can be read: ${labels}`);
+  });
+});
