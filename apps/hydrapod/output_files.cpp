@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <optional>
 #include <string_view>
 
@@ -34,15 +35,42 @@ bool same_file(const std::string& a, const std::string& b) {
   return fs::equivalent(a, b, ignored) || place(a) == place(b);
 }
 
-/// What must not be lost: "record" or "machine file or study". None: anything else.
+/// Whether the file says that hydrapod wrote it: by its name, or by the titles of its tables.
+bool is_own_result(const std::string& path) {
+  constexpr std::size_t most = 65536;
+  std::string head(most, '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(head.data(), most);
+  head.resize(static_cast<std::size_t>(file.gcount()));
+  constexpr std::array<std::string_view, 3> titles{
+      "frequency_hz,omega_rad_s,re ", "mode,omega_rad_s,frequency_hz,", "mode,frequency_hz,"};
+  return head.find("hydrapod") != std::string::npos ||
+         std::ranges::any_of(titles, [&](auto title) { return head.starts_with(title); });
+}
+
+/// What must not be lost: a record, a machine file or study, and measured responses and modes that
+/// others wrote. None: anything else.
 std::optional<const char*> kept_kind(const std::string& path) {
   std::error_code ignored;
   if (!fs::is_regular_file(path, ignored) || fs::file_size(path, ignored) == 0) return {};
   if (path.ends_with(".toml")) return "machine file or study";
   try {
-    if (data::file_kind(path) != data::FileKind::record) return {};
-    const data::RecordSet record({path});
-    return "record";
+    switch (data::file_kind(path)) {
+      case data::FileKind::record: {
+        const data::RecordSet record({path});
+        return "record";
+      }
+      case data::FileKind::frequency_responses:
+        if (!is_own_result(path)) return "file of frequency responses";
+        break;
+      case data::FileKind::mode_table:
+      case data::FileKind::modal_results:
+        if (!is_own_result(path)) return "file of modes";
+        break;
+      default:
+        break;
+    }
+    return {};
   } catch (const base::InputError&) {
     return {};
   }
@@ -60,7 +88,8 @@ std::string contents_of_ending(const std::string& output) {
       Ending{".rpc", ".rpc"},  Ending{".rsp", ".rpc"},   Ending{".drv", ".rpc"},
       Ending{".tim", ".rpc"},  Ending{".toml", ".toml"}, Ending{".html", ".html"},
       Ending{".htm", ".html"}, Ending{".svg", ".svg"},   Ending{".png", ".png"},
-      Ending{".pdf", ".pdf"},  Ending{".xlsx", ".xlsx"}};
+      Ending{".pdf", ".pdf"},  Ending{".xlsx", ".xlsx"}, Ending{".npz", "npz"},
+      Ending{".npy", "npy"}};
   const std::string ending = base::lower_case(fs::path(output).extension().string());
   const auto at = std::ranges::find(known, ending, &Ending::ending);
   return at == known.end() ? std::string() : std::string(at->contents);

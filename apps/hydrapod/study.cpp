@@ -306,6 +306,7 @@ void run_with(Arguments arguments, study::Design design, const char* kind) {
     format = result_format(arguments.format, arguments.output, {"table", "json"});
     const auto options = options_of(arguments, design, kind);
     const auto [shard, shards] = shard_of(arguments.shard, arguments.join);
+    require_ending("--results", arguments.results, "h5");
     running.output = arguments.results;
     running.resume = arguments.resume;
     running.threads = arguments.threads;

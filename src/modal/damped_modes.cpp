@@ -374,25 +374,24 @@ NormalModes modes_with_elastomers(const model::Machine& machine, const LinearMod
   if (model.kind == dynamics::ModelKind::rigid || !model::has_elastomers(machine)) return modes;
   const auto damped = damped_modes(model, modes, modal_ratio(machine).value);
   const auto counterparts = damped_counterparts(model, modes, damped);
-  // modes that repeat have one damped frequency but for rounding
-  Eigen::VectorXd of_group = Eigen::VectorXd::Zero(modes.size()), size = of_group;
+  ModelVector squares = modes.omega2;
   for (int k = 0; k < modes.size(); ++k) {
     const int number = counterparts[static_cast<std::size_t>(k)];
-    const auto* mode = number < 0 ? nullptr : &damped[static_cast<std::size_t>(number)];
-    const bool swings = mode != nullptr && mode->pole.imag() > 0.0 && modes.omega2[k] > 0.0;
-    of_group[modes.group[k]] += swings ? mode->omega * mode->omega : modes.omega2[k];
-    size[modes.group[k]] += 1.0;
+    if (number < 0 || !(modes.omega2[k] > 0.0)) continue;
+    const auto& mode = damped[static_cast<std::size_t>(number)];
+    if (mode.pole.imag() > 0.0) squares[k] = mode.omega * mode.omega;
   }
   std::vector<int> order(static_cast<std::size_t>(modes.size()));
   std::iota(order.begin(), order.end(), 0);
-  const auto square = [&](int k) { return of_group[modes.group[k]] / size[modes.group[k]]; };
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return square(a) < square(b); });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](int a, int b) { return squares[a] < squares[b]; });
   NormalModes result = modes;
   for (int k = 0, group = 0; k < modes.size(); ++k) {
     const int from = order[static_cast<std::size_t>(k)];
-    if (k > 0 && modes.group[from] != modes.group[order[static_cast<std::size_t>(k) - 1]]) ++group;
-    result.omega2[k] = square(from);
+    result.omega2[k] = squares[from];
     result.shapes.col(k) = modes.shapes.col(from);
+    if (k > 0 && result.omega2[k] - result.omega2[k - 1] > repeated_tolerance * result.omega2[k])
+      ++group;
     result.group[k] = group;
   }
   return result;

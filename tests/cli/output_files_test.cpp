@@ -91,17 +91,29 @@ TEST_F(OutputFiles, RecordsAndMachinesAreReplacedByForceAlone) {
   test::write_text(folder / "other.toml", "mine");
   expect_refused({"modes", "m.toml", "-o", "other.toml"}, "other.toml",
                  "a machine file or study exists there");
+  test::write_text(folder / "f.csv", "f [Hz],re a/F [m/s^2/N],im a/F [m/s^2/N]\n1,2,3\n2,3,4\n");
+  expect_refused({"bode", "m.toml", "-o", "f.csv"}, "f.csv",
+                 "a file of frequency responses exists there");
+  test::write_text(folder / "list.csv", "frequency,direction\n4.31 Hz,x\n");
+  expect_refused({"modes", "m.toml", "-o", "list.csv"}, "list.csv", "a file of modes exists there");
+  test::write_text(folder / "notes.txt", "mine");
+  expect_refused({"sweep", "m.toml", "--over", "platform.mass=1:2:3 t", "--results", "notes.txt"},
+                 "notes.txt", "--results writes h5");
   const auto forced = run({"record", "convert", "run.csv", "-o", "run.h5", "--force"});
   EXPECT_EQ(forced.exit_code, 0) << forced.err;
   EXPECT_THAT(forced.err, HasSubstr("wrote run.h5"));
 }
 
 TEST_F(OutputFiles, AResultIsReplacedAndAnnounced) {
-  for (int time = 0; time < 2; ++time) {
-    const auto result = run({"modes", "m.toml", "-o", "modes.json"});
-    EXPECT_EQ(result.exit_code, 0) << result.err;
-    EXPECT_THAT(result.err, HasSubstr("wrote modes.json"));
-  }
+  for (const auto& [command, file] : {std::pair{"modes", "modes.json"},
+                                      {"modes", "modes.csv"},
+                                      {"bode", "bode.csv"},
+                                      {"bode", "bode.json"}})
+    for (int time = 0; time < 2; ++time) {
+      const auto result = run({command, "m.toml", "-o", file});
+      EXPECT_EQ(result.exit_code, 0) << result.err;
+      EXPECT_THAT(result.err, HasSubstr(std::string("wrote ") + file));
+    }
 }
 
 TEST_F(OutputFiles, APlaceThatCannotBeWrittenIsSaidAtOnce) {

@@ -45,7 +45,7 @@ TEST(FirstResonances, OfTheHeavyPlatformAreTheLowerOnesInXAndY) {
 TEST(FirstResonances, OfElastomersAreThoseOfDampedModes) {
   const auto machine = heavy({"legs.guide_sleeve.elastomer.dynamic_ratio=1.6",
                               "legs.guide_sleeve.elastomer.loss_factor=0.2",
-                              "legs.guide_sleeve.elastomer.frequency=50 rad/s"});
+                              "legs.guide_sleeve.elastomer.frequency=8 Hz"});
   const auto all = first_resonances(machine, machine.neutral(), ModelKind::guide);
   const auto table = modal::mode_table(machine, machine.neutral(), ModelKind::guide);
   for (const int direction : {0, 1}) {

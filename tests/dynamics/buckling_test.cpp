@@ -129,7 +129,7 @@ TEST(Buckling, DoesNotDependOnTheSupply) {
   double most = 0.0;
   for (const auto& leg : rigid.legs) most = std::max(most, std::abs(leg.oil_force));
   supply.pressure = supply.return_pressure + 1.31 * most / 1.3e-3;
-  ASSERT_GT(wanted.payload, machine.platform.mass) << "beyond what the supply holds";
+  ASSERT_GT(wanted.payload, 0.4 * machine.platform.mass) << "beyond what the supply holds";
   const auto found = buckling_of(machine);
   EXPECT_EQ(found.status, wanted.status);
   EXPECT_NEAR(found.payload, wanted.payload, 1e-9 * wanted.payload);

@@ -146,10 +146,10 @@ TEST(IdentificationWords, WhereAllOutputsChangedAnInputMayHave) {
                                 .value = -1.0,
                                 .count = 2,
                                 .total = 3};
-  EXPECT_THAT(warning_text(warning), testing::EndsWith("wrong (2 of 3 outputs changed)"));
+  EXPECT_THAT(warning_text(warning), testing::HasSubstr("(2 of 3 outputs changed): its part"));
   warning.count = 3;
   EXPECT_THAT(warning_text(warning),
-              testing::EndsWith("wrong (3 of 3 outputs changed, or an input)"));
+              testing::HasSubstr("(3 of 3 outputs changed, or an input): its part"));
 }
 
 TEST(IdentificationWords, OneGapIsNotCounted) {
