@@ -359,7 +359,8 @@ class CsvReader final : public RecordReader {
     header_.start = grid.start;
     header_.date = times_->date();
     if (assumed_seconds_ && !times_->stamps())
-      note_assumed_seconds(grid.rate, rows, "a title such as \"time [ms]\" states another", notes_);
+      note_assumed_unit(times_taken_for_seconds, grid.rate, rows,
+                        "a title such as \"time [ms]\" states another", notes_);
     grid_.emplace(grid, static_cast<Eigen::Index>(header_.channels.size()));
   }
 
