@@ -278,6 +278,26 @@ TEST_F(Record, CutSaysWhatIsWrong) {
   EXPECT_FALSE(std::filesystem::exists(file("c.h5")));
 }
 
+/// The length of a table is not known before its end.
+TEST_F(Record, CutOutsideATableLeavesWhatWasWritten) {
+  data::write_record(file("run.csv"), example(), data::RecordFormat::csv);
+  write_text(file("c.h5"), "good");
+  const auto late =
+      run({"cut", "run.csv", "--from", "300", "--to", "400", "-o", "c.h5", "--force"});
+  EXPECT_EQ(late.exit_code, 2);
+  EXPECT_THAT(late.err, HasSubstr("no sample lies there; the record begins at 5 s and has 10 s"));
+  EXPECT_EQ(read_text(file("c.h5")), "good");
+}
+
+TEST_F(Record, CutSaysThatTheRecordEndsBefore) {
+  const auto part = run({"cut", "run.h5", "--from", "14", "--to", "20", "-o", "c.h5"});
+  EXPECT_EQ(part.exit_code, 0);
+  EXPECT_THAT(part.err, HasSubstr("the record ends at 15 s, before --to 20"));
+  EXPECT_EQ(data::read_record(file("c.h5")).record.samples.rows(), 1000);
+  EXPECT_THAT(run({"cut", "run.h5", "--from", "14", "--to", "15", "-o", "d.h5"}).err,
+              testing::Not(HasSubstr("ends at")));
+}
+
 TEST_F(Record, ResampleKeepsWhatIsBelowTheNewNyquistFrequency) {
   EXPECT_EQ(run({"resample", "run.h5", "--new-rate", "170", "-o", "r.h5"}).exit_code, 0);
   const auto slow = data::read_record(file("r.h5")).record;
