@@ -148,6 +148,13 @@ TEST(Csv, LatinOneAndMarksOfByteOrderAreNoObstacle) {
   EXPECT_EQ(record.header.sample_rate, 1.0);
 }
 
+TEST(Csv, Utf16IsRefusedWithARemedy) {
+  for (const std::string& text :
+       {std::string("\xff\xfet\0,\0a\0\n\0", 10), std::string("\xfe\xff\0t\0,\0a\0\n", 10),
+        std::string("t\0,\0a\0\n\0", 8)})
+    EXPECT_EQ(refusal_of([&] { read(text); }).message, "UTF-16 text; save the file as UTF-8");
+}
+
 TEST(Csv, UnitsInLatinOneAreSaidAsTheyWereUnderstood) {
   const auto said = messages(read("t [s],a [\xB5m/s\xB2]\n0,1\n0.5,2\n").notes);
   EXPECT_THAT(
