@@ -13,7 +13,7 @@ namespace hydrapod::cli {
 
 struct RecordArguments {
   std::string file{};
-  std::optional<double> rate{};  ///< [Hz] for files that do not tell it
+  std::string rate{};  ///< for files that do not tell it, Hz or with a unit; empty: none
 };
 
 /// Adds FILE and --rate.
@@ -29,6 +29,9 @@ void add_output_options(Command command, OutputArguments& arguments);
 
 /// The format asked for. Throws base::InputError.
 data::RecordFormat choose_format(const OutputArguments& arguments);
+
+/// A sample rate [Hz], of Hz or with a unit; none for an empty text. Throws base::InputError.
+std::optional<double> sample_rate(const std::string& option, const std::string& text);
 
 /// Throws base::InputError for a wrong --rate.
 data::ReadOptions read_options(const RecordArguments& arguments);

@@ -19,7 +19,7 @@ struct Arguments {
   std::string from{}, to{};
   std::vector<std::string> channels{};
   std::string role{}, direction{};
-  std::optional<double> rate{};  ///< [Hz] the new one
+  std::string rate{};  ///< the new one, Hz or with a unit
 };
 
 void convert(const Arguments& arguments) {
@@ -139,13 +139,12 @@ void cut(const Arguments& arguments) {
 
 void resample(const Arguments& arguments) {
   const auto format = choose_format(arguments.output);
-  if (!arguments.rate)
+  const auto wanted = sample_rate("--new-rate", arguments.rate);
+  if (!wanted)
     base::refuse("--new-rate",
                  "the new sample rate in Hz is missing (--rate is that of a file that does not "
                  "state it)");
-  const double rate = *arguments.rate;
-  if (!(rate > 0.0 && rate < 1e12))
-    base::refuse("--new-rate", "the new sample rate must be positive");
+  const double rate = *wanted;
   auto record = open_record(arguments.record);
   data::RecordHeader header = record.header();
   const double before = header.sample_rate;
@@ -208,7 +207,8 @@ void add_record_resample(Command record) {
   auto& arguments = command.calls(&resample);
   add_record_options(command, arguments.record);
   add_output_options(command, arguments.output);
-  command.add_options({{"--new-rate", arguments.rate, "New sample rate [Hz]; required"}});
+  command.add_options(
+      {{"--new-rate", arguments.rate, "New sample rate, Hz or with a unit; required"}});
 }
 
 }  // namespace hydrapod::cli

@@ -247,6 +247,18 @@ TEST_F(Record, TheRateOfAFileHasOneName) {
   EXPECT_THAT(old.err, HasSubstr("--new-rate: error: the new sample rate in Hz is missing"));
 }
 
+TEST_F(Record, RatesMayHaveAUnit) {
+  write_text(file("no-rate.csv"), "a,b\n1,4\n2,5\n4,3\n8,9\n");
+  const auto shown = run({"show", "no-rate.csv", "--rate", "0.2 kHz"});
+  EXPECT_EQ(shown.exit_code, 0);
+  EXPECT_THAT(shown.out, HasSubstr("4 samples at 200 Hz"));
+  EXPECT_EQ(run({"resample", "run.h5", "--new-rate", "0.17 kHz", "-o", "k.h5"}).exit_code, 0);
+  EXPECT_EQ(data::read_record(file("k.h5")).record.header.sample_rate, 170.0);
+  const auto wrong = run({"show", "no-rate.csv", "--rate", "200 mm"});
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_THAT(wrong.err, HasSubstr("expected a frequency such as"));
+}
+
 TEST_F(Record, OfResponsesItPointsToIdentify) {
   write_text(file("h.csv"), "Hz,re a/F [m/N],im a/F [m/N]\n1,2,3\n2,4,5\n");
   const auto shown = run({"show", "h.csv"});
