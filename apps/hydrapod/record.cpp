@@ -80,6 +80,14 @@ bool read_all(const InterruptNote& /*interrupt*/, data::RecordSet& record, const
   return complete;
 }
 
+std::int64_t count_samples(data::RecordSet& record) {
+  const InterruptNote interrupt;
+  if (!record.sample_count() &&
+      !record.stream([](auto, const auto&) { return !InterruptNote::noted(); }))
+    throw base::ComputationError("interrupted");
+  return record.sample_count().value_or(0);
+}
+
 std::string samples_text(std::int64_t count) {
   return fmt::format("{} sample{}", count, count == 1 ? "" : "s");
 }

@@ -51,6 +51,10 @@ bool read_all(data::RecordSet& record, const std::string& title,
 bool read_all(const InterruptNote& interrupt, data::RecordSet& record, const std::string& title,
               const std::function<void(const Eigen::Ref<const data::Samples>&)>& use);
 
+/// Samples of a record; a table is read to its end for that. Spectra depend on the number, and are
+/// not to depend on the format. Throws base::ComputationError where Ctrl-C came before the end.
+std::int64_t count_samples(data::RecordSet& record);
+
 /// "1 sample", "20 samples".
 std::string samples_text(std::int64_t count);
 

@@ -247,6 +247,20 @@ TEST_F(Record, TheRateOfAFileHasOneName) {
   EXPECT_THAT(old.err, HasSubstr("--new-rate: error: the new sample rate in Hz is missing"));
 }
 
+/// Of 3000 samples, segments are shorter than of a long record.
+TEST_F(Record, SpectraDoNotDependOnTheFormat) {
+  data::Record record = example();
+  record.samples.conservativeResize(3000, Eigen::NoChange);
+  data::write_record(file("short.h5"), record, data::RecordFormat::hdf5);
+  data::write_record(file("short.csv"), record, data::RecordFormat::csv);
+  const auto channels_of = [&](const char* name) {
+    return json_of({"record", "show", file(name), "--format", "json"})["channels"];
+  };
+  const Json table = channels_of("short.csv"), arrays = channels_of("short.h5");
+  for (std::size_t c = 0; c < 3; ++c)
+    EXPECT_EQ(table[c]["strongest_frequency_hz"], arrays[c]["strongest_frequency_hz"]) << c;
+}
+
 TEST_F(Record, RatesMayHaveAUnit) {
   write_text(file("no-rate.csv"), "a,b\n1,4\n2,5\n4,3\n8,9\n");
   const auto shown = run({"show", "no-rate.csv", "--rate", "0.2 kHz"});
