@@ -7,6 +7,7 @@
 
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/machine_arguments.hpp"
+#include "hydrapod/record_arguments.hpp"
 #include "hydrapod/rig/rig.hpp"
 
 namespace hydrapod::cli {
@@ -107,7 +108,7 @@ void add_measurement_options(Command command, MeasurementArguments& a) {
         "Time constant of the exponential window that an analyser applied after a hit, s or with a "
         "unit: its damping is taken out; default: as the file says, else none"},
        {"--settling", a.settling, "Time at the beginning that is left out"},
-       {"--rate", a.rate, "Sample rate, for files that do not state it"},
+       {"--rate", a.rate, "Sample rate, Hz or with a unit, for files that do not state it"},
        {"--sample-rate,--file-rate", a.rate, "", hidden},
        {"--machine", a.machine,
         "Machine file for the transformation of leg lengths and the comparison of "
@@ -134,19 +135,16 @@ void add_identification_options(Command command, IdentificationArguments& a) {
 }
 
 tasks::MeasureOptions measure_options(const MeasurementArguments& a) {
-  tasks::MeasureOptions options{
-      .files = a.files,
-      .sample_rate = optional_quantity("--rate", a.rate, "Hz", "a sample rate"),
-      .estimate = estimate_options(a),
-      .accelerometers = a.accelerometers,
-      .machine = a.machine,
-      .pose = a.pose,
-      .model = model_kind(a.model)};
+  tasks::MeasureOptions options{.files = a.files,
+                                .sample_rate = sample_rate("--rate", a.rate),
+                                .estimate = estimate_options(a),
+                                .accelerometers = a.accelerometers,
+                                .machine = a.machine,
+                                .pose = a.pose,
+                                .model = model_kind(a.model)};
   if (!a.exponential_window.empty())
     options.exponential_window =
         positive_quantity("--exponential-window", a.exponential_window, "s", "must be positive");
-  if (options.sample_rate && !(*options.sample_rate > 0.0))
-    base::refuse("--rate " + a.rate, "must be positive");
   for (const auto& text : a.sensors) {
     const auto sensor = rig::parse_accelerometer(text);
     options.sensors.push_back({sensor.name, sensor.p_P, sensor.e_P});

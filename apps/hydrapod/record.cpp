@@ -9,7 +9,7 @@ void add_record_options(Command command, RecordArguments& arguments) {
       {{"FILE", arguments.file,
         "Record: HDF5, MAT (5 or 7.3), CSV, Universal File or RPC III, detected by its content",
         reads_required},
-       {"--rate", arguments.rate, "Sample rate in Hz, for files that do not state it"},
+       {"--rate", arguments.rate, "Sample rate, Hz or with a unit, for files that do not state it"},
        {"--sample-rate,--file-rate", arguments.rate, "", hidden}});
 }
 
@@ -29,10 +29,17 @@ data::RecordFormat choose_format(const OutputArguments& arguments) {
   return *data::format_from_text(words[choose_word("--format", arguments.format, words)]);
 }
 
+std::optional<double> sample_rate(const std::string& option, const std::string& text) {
+  if (text.empty()) return {};
+  constexpr double most = 1e12;  // [Hz]
+  const double rate = positive_quantity(option, text, "Hz", "a sample rate must be positive");
+  if (!(rate < most))
+    base::refuse(option + " " + text, fmt::format("a sample rate must be below {:g} Hz", most));
+  return rate;
+}
+
 data::ReadOptions read_options(const RecordArguments& arguments) {
-  if (arguments.rate && !(*arguments.rate > 0.0 && *arguments.rate < 1e12))
-    base::refuse("--rate", "a sample rate must be positive");
-  return {.sample_rate = arguments.rate};
+  return {.sample_rate = sample_rate("--rate", arguments.rate)};
 }
 
 data::RecordSet open_record(const RecordArguments& arguments) {
@@ -71,6 +78,14 @@ bool read_all(const InterruptNote& /*interrupt*/, data::RecordSet& record, const
   }
   print_diagnostics(record.notes());
   return complete;
+}
+
+std::int64_t count_samples(data::RecordSet& record) {
+  const InterruptNote interrupt;
+  if (!record.sample_count() &&
+      !record.stream([](auto, const auto&) { return !InterruptNote::noted(); }))
+    throw base::ComputationError("interrupted");
+  return record.sample_count().value_or(0);
 }
 
 std::string samples_text(std::int64_t count) {

@@ -13,7 +13,7 @@ namespace hydrapod::cli {
 
 struct RecordArguments {
   std::string file{};
-  std::optional<double> rate{};  ///< [Hz] for files that do not tell it
+  std::string rate{};  ///< for files that do not tell it, Hz or with a unit; empty: none
 };
 
 /// Adds FILE and --rate.
@@ -29,6 +29,9 @@ void add_output_options(Command command, OutputArguments& arguments);
 
 /// The format asked for. Throws base::InputError.
 data::RecordFormat choose_format(const OutputArguments& arguments);
+
+/// A sample rate [Hz], of Hz or with a unit; none for an empty text. Throws base::InputError.
+std::optional<double> sample_rate(const std::string& option, const std::string& text);
 
 /// Throws base::InputError for a wrong --rate.
 data::ReadOptions read_options(const RecordArguments& arguments);
@@ -47,6 +50,10 @@ bool read_all(data::RecordSet& record, const std::string& title,
 /// longer than reading, and Ctrl-C is answered as long as the note is there.
 bool read_all(const InterruptNote& interrupt, data::RecordSet& record, const std::string& title,
               const std::function<void(const Eigen::Ref<const data::Samples>&)>& use);
+
+/// Samples of a record; a table is read to its end for that. Spectra depend on the number, and are
+/// not to depend on the format. Throws base::ComputationError where Ctrl-C came before the end.
+std::int64_t count_samples(data::RecordSet& record);
 
 /// "1 sample", "20 samples".
 std::string samples_text(std::int64_t count);

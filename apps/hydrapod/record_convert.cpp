@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include "hydrapod/command.hpp"
 
 #include "hydrapod/data/processing.hpp"
@@ -18,7 +19,7 @@ struct Arguments {
   std::string from{}, to{};
   std::vector<std::string> channels{};
   std::string role{}, direction{};
-  std::optional<double> rate{};  ///< [Hz] the new one
+  std::string rate{};  ///< the new one, Hz or with a unit
 };
 
 void convert(const Arguments& arguments) {
@@ -88,6 +89,15 @@ std::int64_t sample_at(const std::string& option, const std::string& text,
   return static_cast<std::int64_t>(std::clamp(std::ceil(sample - slack), 0.0, 9e15));
 }
 
+[[noreturn]] void refuse_range(const data::RecordHeader& header,
+                               const std::optional<std::int64_t>& count) {
+  const auto length =
+      count ? fmt::format(" and has {:.9g} s", static_cast<double>(*count) / header.sample_rate)
+            : "";
+  base::refuse("--from, --to", fmt::format("no sample lies there; the record begins at {:.9g} s{}",
+                                           header.start, length));
+}
+
 void cut(const Arguments& arguments) {
   const auto format = choose_format(arguments.output);
   auto record = open_record(arguments.record);
@@ -97,18 +107,14 @@ void cut(const Arguments& arguments) {
   const std::int64_t to =
       sample_at("--to", arguments.to, header, std::numeric_limits<std::int64_t>::max());
   const auto count = record.sample_count();
-  if (from >= to || (count && from >= *count))
-    base::refuse("--from, --to",
-                 fmt::format("no sample lies there; the record begins at {:.9g} s{}", header.start,
-                             count ? fmt::format(" and has {:.9g} s",
-                                                 static_cast<double>(*count) / header.sample_rate)
-                                   : ""));
+  if (from >= to || (count && from >= *count)) refuse_range(header, count);
   header.start += static_cast<double>(from) / header.sample_rate;
   std::vector<data::Channel> channels;
   for (const Eigen::Index c : kept)
     channels.push_back(header.channels[static_cast<std::size_t>(c)]);
   header.channels = channels;
-  const auto writer = data::open_record_writer(arguments.output.file, header, format);
+  // made with the first sample: a table does not tell before its end that none lies there
+  std::unique_ptr<data::RecordWriter> writer;
   std::int64_t at = 0, written = 0;
   const InterruptNote interrupt;
   const bool complete = read_all(interrupt, record, "cutting", [&](const auto& block) {
@@ -116,24 +122,29 @@ void cut(const Arguments& arguments) {
     const std::int64_t last = std::clamp<std::int64_t>(to - at, first, block.rows());
     at += block.rows();
     if (last == first) return;
+    if (!writer) writer = data::open_record_writer(arguments.output.file, header, format);
     const data::Samples part = block.middleRows(first, last - first)(Eigen::all, kept);
     writer->append(part);
     written += part.rows();
   });
+  if (!writer && !complete) throw base::ComputationError("interrupted before the first sample");
+  if (!writer) refuse_range(record.header(), at);
   const std::string file = writer->close(complete);
   print_diagnostics(writer->notes());
+  const double end = record.header().start + static_cast<double>(at) / record.header().sample_rate;
+  if (complete && !arguments.to.empty() && at < to)
+    print_note(fmt::format("the record ends at {:.9g} s, before --to {}", end, arguments.to));
   report_written(file, written, complete);
 }
 
 void resample(const Arguments& arguments) {
   const auto format = choose_format(arguments.output);
-  if (!arguments.rate)
+  const auto wanted = sample_rate("--new-rate", arguments.rate);
+  if (!wanted)
     base::refuse("--new-rate",
                  "the new sample rate in Hz is missing (--rate is that of a file that does not "
                  "state it)");
-  const double rate = *arguments.rate;
-  if (!(rate > 0.0 && rate < 1e12))
-    base::refuse("--new-rate", "the new sample rate must be positive");
+  const double rate = *wanted;
   auto record = open_record(arguments.record);
   data::RecordHeader header = record.header();
   const double before = header.sample_rate;
@@ -196,7 +207,8 @@ void add_record_resample(Command record) {
   auto& arguments = command.calls(&resample);
   add_record_options(command, arguments.record);
   add_output_options(command, arguments.output);
-  command.add_options({{"--new-rate", arguments.rate, "New sample rate [Hz]; required"}});
+  command.add_options(
+      {{"--new-rate", arguments.rate, "New sample rate, Hz or with a unit; required"}});
 }
 
 }  // namespace hydrapod::cli

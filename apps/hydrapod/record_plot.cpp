@@ -44,7 +44,7 @@ void run(const Arguments& arguments) {
   auto record = open_record(arguments.record);
   const auto shown = shown_channels(record.header(), arguments.channels);
   data::OverviewBuilder overview(record.header(),
-                                 data::default_segment(record.header(), record.sample_count()));
+                                 data::default_segment(record.header(), count_samples(record)));
   report::TraceBuilder traces(record.header().channels.size());
   const bool complete = read_all(record, "reading", [&](const auto& block) {
     overview.add(block);

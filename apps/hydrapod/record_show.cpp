@@ -143,7 +143,7 @@ void run(const Arguments& arguments) {
   const std::size_t format = result_format(arguments.format, arguments.file, {"table", "json"});
   auto record = open_record(arguments.record);
   const data::RecordHeader& header = record.header();
-  data::OverviewBuilder builder(header, data::default_segment(header, record.sample_count()));
+  data::OverviewBuilder builder(header, data::default_segment(header, count_samples(record)));
   const bool complete = read_all(record, "reading", [&](const auto& block) { builder.add(block); });
   if (!complete) throw base::ComputationError("interrupted");
   const data::RecordOverview overview = builder.result();

@@ -1,3 +1,4 @@
+#include "hydrapod/base/encoding.hpp"
 #include "hydrapod/base/text.hpp"
 
 namespace hydrapod::base {
@@ -51,6 +52,19 @@ std::size_t first_invalid_utf8(std::string_view text) {
     at += length;
   }
   return std::string_view::npos;
+}
+
+bool is_utf16(std::string_view text) {
+  if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF")) return true;
+  constexpr std::size_t least = 8, most = 256;  // bytes
+  text = text.substr(0, most);
+  if (text.size() < least) return false;
+  const auto zeros_at = [&](std::size_t first) {
+    for (std::size_t at = 0; at + 1 < text.size(); at += 2)
+      if (text[at + first] != '\0' || text[at + 1 - first] == '\0') return false;
+    return true;
+  };
+  return zeros_at(0) || zeros_at(1);
 }
 
 }  // namespace hydrapod::base

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "hydrapod/base/encoding.hpp"
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/base/units.hpp"
@@ -20,8 +21,8 @@ using base::two_pi;
 class CsvReader {
  public:
   CsvReader(const std::string& text, const std::string& file) : table_(text, file) {
-    if (base::first_invalid_utf8(text) != std::string::npos) {
-      fault(0, "", "not UTF-8 text");
+    if (base::is_utf16(text) || base::first_invalid_utf8(text) != std::string::npos) {
+      fault(0, "", std::string(base::is_utf16(text) ? base::utf16_refused : "not UTF-8 text"));
       throw base::InputError(faults_);
     }
   }

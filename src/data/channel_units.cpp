@@ -42,6 +42,23 @@ constexpr double standard_gravity = 9.80665;  // [m/s²]
 constexpr std::array moments{Alias{"ft", "lb"}, Alias{"ft", "lbs"}, Alias{"ft", "lbf"},
                              Alias{"in", "lb"}, Alias{"in", "lbs"}, Alias{"in", "lbf"}};
 
+/// The time [s] that a unit of jerk, "g/s", "mg/ms" or "g s^-1", has below this one of gravity. No
+/// channel of a machine is a flow of grammes.
+std::optional<double> seconds_below(std::string_view unit, std::string_view gravity) {
+  if (!unit.starts_with(gravity)) return {};
+  std::string_view rest = base::trimmed(unit.substr(gravity.size()));
+  if (!rest.starts_with('/')) {
+    constexpr std::array<std::string_view, 4> powers{"s-1", "s^-1", "s**-1", "s⁻¹"};
+    for (const std::string_view times : {"*", ".", "·"})
+      if (rest.starts_with(times)) rest = base::trimmed(rest.substr(times.size()));
+    const bool apart = unit.size() > gravity.size() + rest.size();
+    if (!apart || std::ranges::find(powers, rest) == powers.end()) return {};
+    return 1.0;
+  }
+  const ChannelUnit below = channel_unit(rest.substr(1));
+  return below.known && below.unit == "s" ? std::optional(below.factor) : std::nullopt;
+}
+
 /// "ft-lb", "lb in", "in.lbf": pounds are forces there.
 std::string with_moments(const std::string& unit) {
   for (const auto& [length, force] : moments)
@@ -154,8 +171,11 @@ ChannelUnit channel_unit(std::string_view written) {
       return found;
     }
   }
-  for (const auto& [name, count] : gravities)
+  for (const auto& [name, count] : gravities) {
     if (unit == name) return {count * standard_gravity, "m/s^2"};
+    if (const auto seconds = seconds_below(unit, name))
+      return {count * standard_gravity / *seconds, "m/s^3"};
+  }
   for (std::size_t at; (at = unit.find("**")) != std::string::npos;) unit.replace(at, 2, "^");
   for (const Alias& alias : aliases)
     if (unit == alias.written) unit = alias.meant;
@@ -172,12 +192,12 @@ double use_unit(Channel& channel, const ChannelUnit& unit, const std::string& wr
     notes.add(
         fmt::format("channel \"{}\": the unit \"{}\" is not known or has an offset; its "
                     "samples are left as they are",
-                    name, base::printable(written.empty() ? unit.unit : written, 30)));
+                    name, base::printable(written.empty() ? unit.unit : clean_text(written), 30)));
   else if (unit.factor != 1.0)
-    notes.add(
-        fmt::format("channel \"{}\": {}converted to \"{}\", times {}", name,
-                    written.empty() ? "" : fmt::format("\"{}\" ", base::printable(written, 30)),
-                    unit.unit, unit.factor));
+    notes.add(fmt::format(
+        "channel \"{}\": {}converted to \"{}\", times {}", name,
+        written.empty() ? "" : fmt::format("\"{}\" ", base::printable(clean_text(written), 30)),
+        unit.unit, unit.factor));
   if (!unit.left_aside.empty())
     notes.add(fmt::format("channel \"{}\": \"{}\" behind its unit is left aside", name,
                           base::printable(unit.left_aside, 30)));

@@ -17,10 +17,10 @@ struct ChannelUnit {
   std::string left_aside{};  ///< of what was written: no part of a unit
 };
 
-/// "g" is the acceleration of gravity here and "mg" a thousandth of it, "Nm" a newton metre, "ms-2"
-/// m/s², "m/s**2" too, "sec" a second; "-" is "1". "ft-lb" and the like are moments. What says how
-/// a pressure is counted ("bar(g)", "psia") or which value of a vibration it is ("m/s2 pk") is left
-/// aside.
+/// "g" is the acceleration of gravity here, also in the jerk "g/s", and "mg" a thousandth of it,
+/// "Nm" a newton metre, "ms-2" m/s², "m/s**2" too, "sec" a second; "-" is "1". "ft-lb" and the like
+/// are moments. What says how a pressure is counted ("bar(g)", "psia") or which value of a
+/// vibration it is ("m/s2 pk") is left aside.
 ChannelUnit channel_unit(std::string_view written);
 
 /// "lb", "lbs": of a force they are lbf.

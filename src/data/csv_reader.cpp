@@ -46,6 +46,31 @@ TableTitle with_unit_of_time(const TableTitle& title) {
   return is_time_name(apart.name) && seconds(apart.unit) ? apart : title;
 }
 
+/// "5,054.94", "5.054,94", "1'005'054": digits in threes behind a mark, which is always the same
+/// and not that of the decimals.
+bool has_marks_of_thousands(std::string_view cell) {
+  constexpr std::array<std::string_view, 7> marks{",", ".", "'", " ", "\u00a0", "\u202f", "\u2019"};
+  const auto digits = [&] {
+    const std::size_t count = std::min(cell.find_first_not_of("0123456789"), cell.size());
+    cell.remove_prefix(count);
+    return count;
+  };
+  if (cell.starts_with('-') || cell.starts_with('+')) cell.remove_prefix(1);
+  if (const std::size_t first = digits(); first < 1 || first > 3) return false;
+  const auto mark =
+      std::ranges::find_if(marks, [&](std::string_view known) { return cell.starts_with(known); });
+  if (mark == marks.end()) return false;
+  while (cell.starts_with(*mark)) {
+    cell.remove_prefix(mark->size());
+    if (digits() != 3) return false;
+  }
+  if (cell.starts_with('.') || cell.starts_with(',')) {
+    cell.remove_prefix(1);
+    digits();
+  }
+  return cell.empty();
+}
+
 /// The cells that hold the times of the rows: numbers, or stamps of one cell or two (date, time).
 class TimeCells {
  public:
@@ -294,9 +319,7 @@ class CsvReader final : public RecordReader {
       if (const auto value = base::table_number(cell, table_.style.decimal_comma))
         row_[found] = *value;
       else
-        notes_.add(fmt::format("\"{}\" is not a number; the sample is taken as missing",
-                               base::printable(cell, 30)),
-                   table_.line(), cells.column(), "text");
+        note_no_number(cell, cells.column());
     }
     if (may_be_cut(found == columns_)) {
       notes_.add(found == columns_ && !by_hydrapod_
@@ -318,6 +341,15 @@ class CsvReader final : public RecordReader {
       notes_.add("the time is missing; the row is taken for the next sample", table_.line(), 0,
                  "no time");
     return true;
+  }
+
+  void note_no_number(std::string_view cell, unsigned column) {
+    const bool thousands = has_marks_of_thousands(cell);
+    notes_.add(
+        fmt::format("\"{}\" is not a number{}; the sample is taken as missing",
+                    base::printable(cell, 30),
+                    thousands ? ", as it has marks of thousands; write it without them" : ""),
+        table_.line(), column, thousands ? "thousands" : "text");
   }
 
   /// Of a file whose header states the rate.
@@ -359,7 +391,8 @@ class CsvReader final : public RecordReader {
     header_.start = grid.start;
     header_.date = times_->date();
     if (assumed_seconds_ && !times_->stamps())
-      note_assumed_seconds(grid.rate, rows, "a title such as \"time [ms]\" states another", notes_);
+      note_assumed_unit(times_taken_for_seconds, grid.rate, rows,
+                        "a title such as \"time [ms]\" states another", notes_);
     grid_.emplace(grid, static_cast<Eigen::Index>(header_.channels.size()));
   }
 

@@ -17,6 +17,7 @@
 #include "channel_units.hpp"
 #include "checksum.hpp"
 #include "formats.hpp"
+#include "hydrapod/base/encoding.hpp"
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/base/units.hpp"
@@ -115,6 +116,7 @@ std::unique_ptr<RecordReader> open_by_content(const std::string& path, const Rea
   if (begins_as_uff(head)) return make_uff_reader(path);
   if (begins_as_rpc(head)) return make_rpc_reader(path);
   if (head.starts_with(spool_mark)) return make_spool_reader(path);
+  if (base::is_utf16(head)) base::refuse(path, std::string(base::utf16_refused));
   if (head.find('\0') != std::string::npos)
     base::refuse(path,
                  "this is not a record: it is neither HDF5, MAT, Universal File, RPC III nor text");

@@ -39,6 +39,27 @@ std::optional<TableStyle> row_style(std::string_view line) {
   return found == candidates.end() ? std::nullopt : std::optional(*found);
 }
 
+/// "0,0050,-3,1416" under "t,a": a whole number and digits for each of the titles.
+void refuse_commas_for_all(const TableHead& head, const TableStyle& style, unsigned line,
+                           const Notes& notes) {
+  if (style.separator != ',' || (head.texts.empty() && head.comment.text.empty())) return;
+  const std::string& names = head.texts.empty() ? head.comment.text : head.texts.back().text;
+  const std::size_t titles = base::table_cells(names, ',').size();
+  if (titles < 2 || head.columns != 2 * titles) return;
+  bool is_fraction = false;
+  for (const base::TableCell& cell : base::table_cells(head.first_line, ',')) {
+    std::string_view digits = cell.text;
+    if (!is_fraction && (digits.starts_with('-') || digits.starts_with('+')))
+      digits.remove_prefix(1);
+    if (digits.empty() || digits.find_first_not_of("0123456789") != digits.npos) return;
+    is_fraction = !is_fraction;
+  }
+  notes.fail(fmt::format("{} fields for {} titles: decimal commas together with commas between "
+                         "fields; write decimal points, or semicolons between fields",
+                         head.columns, titles),
+             line);
+}
+
 }  // namespace
 
 TableHead read_table_head(base::TableReader& table, const Notes& notes,
@@ -67,6 +88,7 @@ TableHead read_table_head(base::TableReader& table, const Notes& notes,
     notes.fail(
         fmt::format("{} columns are more than the {} that are read", head.columns, most_columns),
         table.line());
+  if (head.first_row) refuse_commas_for_all(head, table.style, table.line(), notes);
   return head;
 }
 

@@ -386,14 +386,12 @@ void GridRows::interpolate(std::size_t right, double time,
     if (!std::isnan(cubic[c])) out[c] = cubic[c];
 }
 
-void note_assumed_seconds(double rate, std::uint64_t samples, std::string_view remedy,
-                          Notes& notes) {
+void note_assumed_unit(std::string_view assumed, double rate, std::uint64_t samples,
+                       std::string_view remedy, Notes& notes) {
   constexpr double slow = 2.0, slow_for_many = 20.0;  // [Hz]
   constexpr std::uint64_t many = 1000;
   if (rate < (samples < many ? slow : slow_for_many))
-    notes.add(
-        fmt::format("the times have no unit and are taken for seconds, which makes {:.4g} Hz; {}",
-                    rate, remedy));
+    notes.add(fmt::format("{}, which makes {:.4g} Hz; {}", assumed, rate, remedy));
 }
 
 }  // namespace hydrapod::data

@@ -108,9 +108,12 @@ class GridRows {
   bool timed_{}, ended_{};
 };
 
-/// A note where times without a unit, taken for seconds, make a rate at which nobody records
-/// vibrations, or few who take many samples. `remedy`: what states another unit.
-void note_assumed_seconds(double rate, std::uint64_t samples, std::string_view remedy,
-                          Notes& notes);
+/// A note where numbers without a unit make a rate at which nobody records vibrations, or few who
+/// take many samples. `assumed`: what they are taken for, as in "the times have no unit and are
+/// taken for seconds"; `remedy`: what states another unit.
+void note_assumed_unit(std::string_view assumed, double rate, std::uint64_t samples,
+                       std::string_view remedy, Notes& notes);
+constexpr std::string_view times_taken_for_seconds =
+    "the times have no unit and are taken for seconds";
 
 }  // namespace hydrapod::data

@@ -88,6 +88,18 @@ std::vector<std::string> texts_called(const std::vector<Variable>& variables,
   return {};
 }
 
+/// By an attribute, by its name, or by the label of its axis (Simcenter Testlab).
+bool has_unit(const Variable& v, const std::vector<Variable>& variables) {
+  if (!base::trimmed(v.unit).empty() || base::lower_case(v.name).ends_with("_hz")) return true;
+  const std::size_t at = v.name.find_last_of("/.");
+  if (at == std::string::npos) return false;
+  const std::string label = base::lower_case(v.name.substr(0, at)) + ".quantity.label";
+  return std::ranges::any_of(variables, [&](const Variable& other) {
+    return other.kind == VariableKind::text && !other.text.empty() &&
+           base::lower_case(other.name) == label;
+  });
+}
+
 }  // namespace
 
 bool is_one_of(std::span<const std::string_view> words, const std::string& name) {
@@ -112,10 +124,11 @@ std::vector<RateVariable> rates_beside(const std::vector<Variable>& variables,
     if (!std::isfinite(v.number) || v.number <= 0.0) continue;
     constexpr double near = 1e-9;  // 1/0.01 is 100
     if (is_one_of(rate_words, v.name))
-      take({v.number * rate_of(v.unit).value_or(no_rate), v.name, v.unit, "Hz, kHz"});
+      take({v.number * rate_of(v.unit).value_or(no_rate), v.name, v.unit, "Hz, kHz", false,
+            has_unit(v, variables)});
     if (is_one_of(step_words, v.name)) {
       const double step = v.number * seconds_of(v.unit).value_or(no_rate);
-      take({rounded_rate(1.0 / step, near), v.name, v.unit, "s, ms"});
+      take({rounded_rate(1.0 / step, near), v.name, v.unit, "s, ms", true, has_unit(v, variables)});
     }
   }
   auto& chosen = beside.empty() ? others : beside;

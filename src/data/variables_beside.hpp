@@ -24,6 +24,8 @@ struct RateVariable {
   double hertz{};  ///< NaN: its unit is of something else
   std::string name{}, unit{};
   const char* accepted{};  ///< units
+  bool is_step{};          ///< of time
+  bool has_unit{};         ///< stated by the file, else Hz or s is assumed
 };
 
 /// All of them; where some stand beside the arrays `samples`, in their group or structure or on

@@ -396,10 +396,20 @@ class VariablesReader final : public RecordReader {
         header_.start = v.number * seconds_of(v.unit).value_or(1.0);
     if (stated) header_.sample_rate = stated->rate;
     if (times != nullptr) return use_times(*times, stated);
+    if (!found.empty() && !options.sample_rate && !found[0].has_unit)
+      note_assumed_unit(
+          fmt::format("'{}' has no unit and is taken for {}", base::printable(found[0].name),
+                      found[0].is_step ? "seconds" : "Hz"),
+          found[0].hertz, length_, state_the_unit(found[0].is_step ? "s" : "Hz"), notes_);
     if (header_.sample_rate > 0.0) return;
     notes_.fail(
         "the file states no sample rate: no variable such as fs, dt or time was found; give the "
         "rate in Hz with --rate");
+  }
+
+  /// What to do about a number that is not in `unit`.
+  static std::string state_the_unit(std::string_view unit) {
+    return fmt::format("write {} into the file, or (HDF5) an attribute \"unit\"", unit);
   }
 
   /// Start and rate, and the grid where samples are missing or times scatter.
@@ -433,7 +443,7 @@ class VariablesReader final : public RecordReader {
       notes_.add(fmt::format("the unit \"{}\" of the times '{}' is unknown: taken for s",
                              base::printable(times.unit, 30), base::printable(times.name)));
     if (times.unit.empty() && time_origin_ == 0.0)
-      note_assumed_seconds(grid.rate, length_, "--rate states another rate", notes_);
+      note_assumed_unit(times_taken_for_seconds, grid.rate, length_, state_the_unit("s"), notes_);
     if (grid.complete) return;
     if (grid.resolution)
       grid.resolution = [digits = single ? 1.2e-7 : 0.0](double t) { return digits * std::abs(t); };

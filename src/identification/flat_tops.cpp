@@ -71,11 +71,15 @@ void FlatTops::add(const Column& samples, double low, double high) {
 }
 
 CutOff FlatTops::cut_off(double range, const FlatTopOptions& options) const {
-  const double least = std::max(options.of_step * step_, options.of_range * range);
+  const auto least = [&](const Top& top) {
+    const auto n = static_cast<double>(top.samples);
+    const double rounded = step_ * std::pow((3.0 * n - 1.0) / (n - 1.0), 2);
+    return std::max(options.of_rounded * rounded, options.of_range * range);
+  };
   CutOff cut;
   for (const End* end : {&low_, &high_})
     for (const Top& top : end->tops) {
-      if (!(top.flank > least)) continue;
+      if (!(top.flank > least(top))) continue;
       cut.samples += top.samples;
       (end == &low_ ? cut.below : cut.above) = end->extreme;
     }

@@ -1,10 +1,12 @@
 #pragma once
 /// Tops of a signal that are cut off. Private to the module.
 ///
-/// n ≥ 3 samples in succession stand exactly at the extreme. A rounded top, c t², has them there
-/// where its resolution is δ ≥ c (n/2)². Then n samples further it has fallen by c (3n/2)² ≤ 9 δ. A
-/// top that was cut off has steeper flanks, on both sides. A hold of every sample, as of a slow
-/// sensor that is read quickly, has runs everywhere: no top of it counts.
+/// n ≥ 3 samples in succession stand exactly at the extreme. The outermost of them are n − 1
+/// samples apart: a rounded top, c t², has them there where its resolution is δ ≥ c ((n − 1)/2)².
+/// Then n samples further it has fallen by c ((3n − 1)/2)² ≤ ((3n − 1)/(n − 1))² δ, 16 δ for three
+/// samples and 9 δ for many. A top that was cut off has steeper flanks, on both sides. A hold of
+/// every sample, as of a slow sensor that is read quickly, has runs everywhere: no top of it
+/// counts.
 
 #include <cstdint>
 #include <limits>
@@ -16,9 +18,10 @@
 namespace hydrapod::identification {
 
 struct FlatTopOptions {
-  /// The flatter side falls by > of_step · the least step of the channel, see above, and by more
-  /// than of_range · its range: a slow signal of fine resolution has tops that are round.
-  double of_step{12.0}, of_range{0.09};
+  /// The flatter side falls by > of_rounded · what a rounded top of as many samples does, where δ
+  /// is the least step of the channel, see above, and by more than of_range · its range: a slow
+  /// signal of fine resolution has tops that are round.
+  double of_rounded{4.0 / 3.0}, of_range{0.09};
 };
 
 /// Sees all samples of a channel, piece by piece.

@@ -8,6 +8,7 @@
 #include <optional>
 #include <tuple>
 
+#include "hydrapod/base/encoding.hpp"
 #include "hydrapod/base/text.hpp"
 
 namespace hydrapod::model {
@@ -230,6 +231,8 @@ std::string described(const Node& node) {
 }
 
 std::variant<Node, SyntaxError> parse_tree(std::string_view text, int source) {
+  if (base::is_utf16(text))
+    return SyntaxError{place_at(text, 0, source), std::string(base::utf16_refused)};
   if (const auto at = base::first_invalid_utf8(text); at != std::string_view::npos) {
     return SyntaxError{place_at(text, at, source), "not UTF-8 text"};
   }

@@ -247,6 +247,32 @@ TEST_F(Record, TheRateOfAFileHasOneName) {
   EXPECT_THAT(old.err, HasSubstr("--new-rate: error: the new sample rate in Hz is missing"));
 }
 
+/// Of 3000 samples, segments are shorter than of a long record.
+TEST_F(Record, SpectraDoNotDependOnTheFormat) {
+  data::Record record = example();
+  record.samples.conservativeResize(3000, Eigen::NoChange);
+  data::write_record(file("short.h5"), record, data::RecordFormat::hdf5);
+  data::write_record(file("short.csv"), record, data::RecordFormat::csv);
+  const auto channels_of = [&](const char* name) {
+    return json_of({"record", "show", file(name), "--format", "json"})["channels"];
+  };
+  const Json table = channels_of("short.csv"), arrays = channels_of("short.h5");
+  for (std::size_t c = 0; c < 3; ++c)
+    EXPECT_EQ(table[c]["strongest_frequency_hz"], arrays[c]["strongest_frequency_hz"]) << c;
+}
+
+TEST_F(Record, RatesMayHaveAUnit) {
+  write_text(file("no-rate.csv"), "a,b\n1,4\n2,5\n4,3\n8,9\n");
+  const auto shown = run({"show", "no-rate.csv", "--rate", "0.2 kHz"});
+  EXPECT_EQ(shown.exit_code, 0);
+  EXPECT_THAT(shown.out, HasSubstr("4 samples at 200 Hz"));
+  EXPECT_EQ(run({"resample", "run.h5", "--new-rate", "0.17 kHz", "-o", "k.h5"}).exit_code, 0);
+  EXPECT_EQ(data::read_record(file("k.h5")).record.header.sample_rate, 170.0);
+  const auto wrong = run({"show", "no-rate.csv", "--rate", "200 mm"});
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_THAT(wrong.err, HasSubstr("expected a frequency such as"));
+}
+
 TEST_F(Record, OfResponsesItPointsToIdentify) {
   write_text(file("h.csv"), "Hz,re a/F [m/N],im a/F [m/N]\n1,2,3\n2,4,5\n");
   const auto shown = run({"show", "h.csv"});
@@ -276,6 +302,26 @@ TEST_F(Record, CutSaysWhatIsWrong) {
   EXPECT_EQ(late.exit_code, 2);
   EXPECT_THAT(late.err, HasSubstr("no sample lies there; the record begins at 5 s and has 10 s"));
   EXPECT_FALSE(std::filesystem::exists(file("c.h5")));
+}
+
+/// The length of a table is not known before its end.
+TEST_F(Record, CutOutsideATableLeavesWhatWasWritten) {
+  data::write_record(file("run.csv"), example(), data::RecordFormat::csv);
+  write_text(file("c.h5"), "good");
+  const auto late =
+      run({"cut", "run.csv", "--from", "300", "--to", "400", "-o", "c.h5", "--force"});
+  EXPECT_EQ(late.exit_code, 2);
+  EXPECT_THAT(late.err, HasSubstr("no sample lies there; the record begins at 5 s and has 10 s"));
+  EXPECT_EQ(read_text(file("c.h5")), "good");
+}
+
+TEST_F(Record, CutSaysThatTheRecordEndsBefore) {
+  const auto part = run({"cut", "run.h5", "--from", "14", "--to", "20", "-o", "c.h5"});
+  EXPECT_EQ(part.exit_code, 0);
+  EXPECT_THAT(part.err, HasSubstr("the record ends at 15 s, before --to 20"));
+  EXPECT_EQ(data::read_record(file("c.h5")).record.samples.rows(), 1000);
+  EXPECT_THAT(run({"cut", "run.h5", "--from", "14", "--to", "15", "-o", "d.h5"}).err,
+              testing::Not(HasSubstr("ends at")));
 }
 
 TEST_F(Record, ResampleKeepsWhatIsBelowTheNewNyquistFrequency) {

@@ -91,6 +91,39 @@ TEST(Csv, SemicolonsDecimalCommasAndALineOfUnits) {
   EXPECT_TRUE(std::isnan(record.samples(2, 0)));
 }
 
+TEST(Csv, DecimalCommasBetweenCommasAreRefused) {
+  const auto refused = [](const std::string& text) {
+    return refusal_of([&] { read(text, {.sample_rate = 200.0}); });
+  };
+  const auto found = refused("t,a,F\n0,0000,-0,0032,-0,0000\n0,0050,0,0055,-0,0003\n");
+  EXPECT_EQ(found.message,
+            "6 fields for 3 titles: decimal commas together with commas between fields; write "
+            "decimal points, or semicolons between fields");
+  EXPECT_EQ(found.line, 2U);
+  // names of two of four columns of other numbers
+  EXPECT_EQ(refused("a,b\n0.5,1,2,3\n0.25,1,2,4\n").message, "");
+}
+
+/// 12 and 345 are two fields of a line, and no number.
+TEST(Csv, MarksOfThousandsAreNamed) {
+  const auto note_of = [](const std::string& rows) {
+    for (const auto& text : messages(read("t [s];F [N]\n" + rows).notes))
+      if (text.find("is not a number") != text.npos) return text;
+    return std::string();
+  };
+  EXPECT_EQ(note_of("0.0;1\n0.5;-5,054.94\n1.0;12,345\n"),
+            "\"-5,054.94\" is not a number, as it has marks of thousands; write it without them; "
+            "the sample is taken as missing, and 1 more like it");
+  for (const char* written : {"5.054,94", "1.005.054,9", "5'054,94", "5 054,94", "5\u00a0054"})
+    EXPECT_THAT(note_of(fmt::format("0,0;1\n0,5;{}\n1,0;2\n", written)),
+                testing::HasSubstr("has marks of thousands"))
+        << written;
+  for (const char* written : {"5,05,4", "5054,94,2", "abc", "5,054,94"})
+    EXPECT_THAT(note_of(fmt::format("0.0;1\n0.5;{}\n1.0;2\n", written)),
+                testing::HasSubstr("is not a number; the sample"))
+        << written;
+}
+
 TEST(Csv, TabulatorsTimesInMillisecondsAndUnitsInBrackets) {
   const auto record = read("% by a logger\nt [ms]\ta [g]\n10\t1\n10.5\t2\n11\t3\n").record;
   EXPECT_EQ(record.header.sample_rate, 2000.0);
@@ -113,6 +146,19 @@ TEST(Csv, LatinOneAndMarksOfByteOrderAreNoObstacle) {
                           .record;
   EXPECT_EQ(record.header.channels[0].name, "Prüfling, links");
   EXPECT_EQ(record.header.sample_rate, 1.0);
+}
+
+TEST(Csv, Utf16IsRefusedWithARemedy) {
+  for (const std::string& text :
+       {std::string("\xff\xfet\0,\0a\0\n\0", 10), std::string("\xfe\xff\0t\0,\0a\0\n", 10),
+        std::string("t\0,\0a\0\n\0", 8)})
+    EXPECT_EQ(refusal_of([&] { read(text); }).message, "UTF-16 text; save the file as UTF-8");
+}
+
+TEST(Csv, UnitsInLatinOneAreSaidAsTheyWereUnderstood) {
+  const auto said = messages(read("t [s],a [\xB5m/s\xB2]\n0,1\n0.5,2\n").notes);
+  EXPECT_THAT(
+      said, testing::Contains(testing::HasSubstr("\"µm/s²\" converted to \"m/s^2\", times 1e-06")));
 }
 
 TEST(Csv, ARecordOfALaterVersionIsNotGuessedAt) {

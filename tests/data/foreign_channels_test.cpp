@@ -48,7 +48,9 @@ TEST(ForeignChannels, UnitsAreThoseOfVibrations) {
        {Case{"g", 9.80665, "m/s^2"}, Case{"G", 9.80665, "m/s^2"}, Case{"mg", 9.80665e-3, "m/s^2"},
         Case{"µg", 9.80665e-6, "m/s^2"}, Case{"ms-2", 1.0, "m/s^2"}, Case{"ms^-2", 1.0, "m/s^2"},
         Case{"m/s**2", 1.0, "m/s^2"}, Case{"mms-2", 1e-3, "m/s^2"}, Case{"ms-1", 1.0, "m/s"},
-        Case{"kp", 9.80665, "N"}, Case{"kg", 1.0, "kg"}, Case{"ms", 1e-3, "s"}}) {
+        Case{"g/s", 9.80665, "m/s^3"}, Case{"mg / ms", 9.80665, "m/s^3"},
+        Case{"g s^-1", 9.80665, "m/s^3"}, Case{"kg/s", 1.0, "kg/s"}, Case{"kp", 9.80665, "N"},
+        Case{"kg", 1.0, "kg"}, Case{"ms", 1e-3, "s"}}) {
     SCOPED_TRACE(c.written);
     const auto got =
         table("time [s],q [" + std::string(c.written) + "]\n0,2.5\n0.01,-3.25\n0.02,1\n");

@@ -54,6 +54,14 @@ TEST_F(ResponseTable, RealAndImaginaryPartsPerPair) {
   EXPECT_EQ(all.H[1](1, 0), std::complex<double>(9.0, -10.0) * 9.80665);
 }
 
+TEST_F(ResponseTable, JerkInGravitiesPerSecond) {
+  const auto all = read("Frequency [Hz],re a1/F [g/s/kN],im a1/F [g/s/kN]\n1,0.5,-0.25\n2,3,4\n");
+  ASSERT_EQ(all.outputs.size(), 1U);
+  EXPECT_EQ(all.outputs[0].unit, "m/s^3");
+  EXPECT_EQ(all.inputs[0].unit, "N");
+  EXPECT_NEAR(std::abs(all.H[1](0, 0) - std::complex<double>(3.0, 4.0) * 9.80665e-3), 0.0, 1e-15);
+}
+
 TEST_F(ResponseTable, MagnitudeAndPhaseInDegreesAndRadians) {
   for (const char* titles : {"f (Hz);Magnitude (m/N);Phase (deg)", "Freq\tMag [m/N]\tPhase [°]",
                              "Hz,|H| amplitude [m/N],phase_deg"}) {

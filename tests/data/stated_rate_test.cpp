@@ -72,6 +72,34 @@ TEST_F(RateOfVariables, IsInItsUnit) {
   EXPECT_DOUBLE_EQ(rate(), 200.0);
 }
 
+/// 128 Hz are 0.128 kHz and steps of 7.8125 ms.
+TEST_F(RateOfVariables, WithoutAUnitThatMakesASlowRateIsNamed) {
+  const auto said = [&](const char* name, double number, const char* unit) {
+    const double x[] = {1.0, -2.0, 4.0};
+    {
+      Hdf5File file(path());
+      file.write("x", H5T_NATIVE_DOUBLE, {3}, x);
+      file.write(name, H5T_NATIVE_DOUBLE, {}, &number);
+      if (*unit != '\0') file.attribute(name, "unit", std::string(unit));
+    }
+    return messages(data::read_record(path()).notes);
+  };
+  EXPECT_THAT(
+      said("Fs", 0.128, ""),
+      testing::Contains(HasSubstr("'Fs' has no unit and is taken for Hz, which makes 0.128 Hz; "
+                                  "write Hz into the file")));
+  EXPECT_THAT(
+      said("dt", 7.8125, ""),
+      testing::Contains(HasSubstr("'dt' has no unit and is taken for seconds, which makes 0.128 "
+                                  "Hz; write s into the file")));
+  const auto silent = testing::Not(testing::Contains(HasSubstr("no unit")));
+  EXPECT_THAT(said("Fs", 0.128, "Hz"), silent);
+  EXPECT_THAT(said("dt", 7.8125, "s"), silent);
+  EXPECT_THAT(said("dt", 7.8125, "ms"), silent);
+  EXPECT_THAT(said("sample_rate_hz", 0.128, ""), silent);
+  EXPECT_THAT(said("Fs", 128.0, ""), silent);
+}
+
 TEST_F(RateOfVariables, InAnotherUnitIsRefused) {
   write("fs", 2.5, "rad/s");
   EXPECT_THAT(refusal_of([&] { rate(); }).message,

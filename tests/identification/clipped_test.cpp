@@ -9,6 +9,7 @@
 
 #include "hammer.hpp"
 #include "identification/cut_tops.hpp"
+#include "identification/flat_tops.hpp"
 
 namespace hydrapod::identification {
 namespace {
@@ -251,6 +252,25 @@ TEST_P(Whole, SignalsAreNotCutOff) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, Whole, testing::Range(0, static_cast<int>(signals)));
+
+/// Tops as of a valve current on a coarse step: three samples at the extreme, and 13 steps lower
+/// three samples further.
+TEST(FlatTops, RoundTopsOnACoarseStepAreNotCutOff) {
+  const auto cut_off = [](double limit) {
+    constexpr double step = 1e-4;
+    VectorXd x(5000);
+    for (Index t = 0; t < x.size(); ++t)
+      x[t] = step * std::min(limit, std::round(60.45 * std::sin(0.172 * static_cast<double>(t))));
+    FlatTops tops;
+    tops.add(x, x.minCoeff(), x.maxCoeff());
+    return tops.cut_off(x.maxCoeff() - x.minCoeff());
+  };
+  EXPECT_EQ(cut_off(1000.0).samples, 0);
+  const auto cut = cut_off(40.0);
+  EXPECT_GT(cut.samples, 1000);
+  EXPECT_DOUBLE_EQ(cut.above, 40e-4);
+  EXPECT_FALSE(std::isfinite(cut.below));
+}
 
 /// A tone that is cut off on one side, in pieces of any length: the level and all its samples.
 TEST(CutTops, DoNotDependOnThePieces) {

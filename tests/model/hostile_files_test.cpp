@@ -103,7 +103,10 @@ TEST(HostileFiles, OtherEncodingsAreRefused) {
   EXPECT_EQ(complaint_about("name = \"µ\"\nsource = \"K\xf6ln\"\n"),
             "m.toml:2:12: error: not UTF-8 text");
   EXPECT_EQ(complaint_about("# µµ\xff"), "m.toml:1:5: error: not UTF-8 text");
-  EXPECT_EQ(complaint_about("\xff\xfen\0a\0"), "m.toml:1:1: error: not UTF-8 text");
+  for (const std::string& text :
+       {std::string("\xff\xfen\0a\0m\0", 8), std::string("\xfe\xff\0n\0a\0m", 8),
+        std::string("n\0a\0m\0e\0", 8), std::string("\0n\0a\0m\0e", 8)})
+    EXPECT_EQ(complaint_about(text), "m.toml:1:1: error: UTF-16 text; save the file as UTF-8");
 }
 
 TEST(HostileFiles, ControlCharactersAreRefused) {
