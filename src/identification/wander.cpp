@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <numeric>
 
 #include "damped.hpp"
@@ -61,6 +62,12 @@ double averages_needed(const ChannelChoice& choice, const WanderOptions& options
   return static_cast<double>(choice.inputs.size()) + options.least_degrees;
 }
 
+/// And so many for a sensor, whose test sums over all lines and takes no interval of any of them.
+double averages_for_sensors(const ChannelChoice& choice) {
+  constexpr double least_degrees = 2.0;
+  return static_cast<double>(choice.inputs.size()) + least_degrees;
+}
+
 /// Neighbours put together until each has averages enough; empty where there are not two such.
 std::vector<CrossSpectra> large_enough(std::vector<CrossSpectra> groups, double averages) {
   const auto have_enough = [&](const std::vector<CrossSpectra>& list) {
@@ -78,6 +85,16 @@ std::vector<CrossSpectra> large_enough(std::vector<CrossSpectra> groups, double 
     if (have_enough(joined)) return joined;
   }
   return {};
+}
+
+/// [s] of a record whose halves have these averages, with blocks of the same length, where one of
+/// `duration` is of these groups.
+double duration_for(const std::vector<CrossSpectra>& groups, double averages, double duration) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto& group : groups) least = std::min(least, group.statistics.effective_averages);
+  const double in_half = 0.5 * static_cast<double>(groups.size()) * least;
+  constexpr double longest = 100.0;  // where hardly any block is whole
+  return duration * std::clamp(averages / in_half, 1.0, longest);
 }
 
 struct Spread {
@@ -116,7 +133,8 @@ class PartFits {
   PartFits(const Identification& found, const IdentifyOptions& options)
       : found_(found), options_(options), sensors_(found.responses) {}
 
-  void add(CrossSpectra&& part, const ChannelChoice& choice, Estimator estimator) {
+  /// `fit`: or only the sensors are looked at.
+  void add(CrossSpectra&& part, const ChannelChoice& choice, Estimator estimator, bool fit = true) {
     for (auto* m : {&fits_.omega, &fits_.omega_deviation, &fits_.damping, &fits_.damping_deviation,
                     &fits_.excitation})
       m->conservativeResize(static_cast<Index>(found_.modes.size()), fitted_ + 1);
@@ -126,6 +144,7 @@ class PartFits {
       const auto responses = responses_for_modes(part, choice, estimator);
       part = {};  // no longer needed, and large
       sensors_.add(responses, label);
+      if (!fit) return;
       fitted_ += add_fit(responses, found_, options_, fitted_, fits_);
     } catch (const base::ComputationError&) {  // this part has too little in it
     }
@@ -203,14 +222,11 @@ std::optional<data::ResponseWarning> changed_between(data::RecordSet& records,
                                                      const MeasureOptions& measure,
                                                      const Identification& found,
                                                      const numerics::Progress& progress) {
-  constexpr double least_degrees = 2.0;
   SensorWatch sensors(found.responses);
   each_record(records, measured, measure, progress, found.to,
               [&](std::size_t record, CrossSpectra&& spectra, const ChannelChoice& choice,
                   Estimator estimator) {
-                if (spectra.statistics.effective_averages <
-                    static_cast<double>(choice.inputs.size()) + least_degrees)
-                  return;
+                if (spectra.statistics.effective_averages < averages_for_sensors(choice)) return;
                 try {
                   sensors.add(responses_for_modes(spectra, choice, estimator), record);
                 } catch (const base::ComputationError&) {  // this record has too little in it
@@ -257,9 +273,14 @@ PartsFinding compare_parts(data::RecordSet& records, const Measurement& measured
   // neighbours are put together, for which all are needed
   auto all = measure_groups(records, measured, measure, most_parts, watched, found.to);
   if (stopped) return {};
+  auto halves = large_enough(all.groups, averages_needed(all.choice, options));
+  const bool fit = !halves.empty();
+  const double needed = averages_for_sensors(all.choice);
+  if (!fit && !several) halves = large_enough(all.groups, needed);
+  if (halves.empty() && !several)
+    finding.needed_duration = duration_for(all.groups, needed, duration);
   PartFits joined(found, identify);
-  for (auto& part : large_enough(std::move(all.groups), averages_needed(all.choice, options)))
-    joined.add(std::move(part), all.choice, all.estimator);
+  for (auto& part : halves) joined.add(std::move(part), all.choice, all.estimator, fit);
   say(joined);
   return finding;
 }
