@@ -21,7 +21,7 @@ namespace {
 /// Modes × groups.
 struct GroupFits {
   MatrixXd omega{}, omega_deviation{}, damping{}, damping_deviation{};
-  MatrixXd excitation{};  // see WanderOptions::least_excitation
+  MatrixXd excitation{};  // see WanderOptions::least_excitation; 0: the mode is not in this group
 };
 
 /// Per input, mean over the half-power band of a mode and the lines nearest to it.
@@ -37,6 +37,27 @@ VectorXd density_at(const FrequencyResponses& r, const FittedMode& mode) {
   return sum / static_cast<double>(to - from + 1);
 }
 
+/// The mode of a part that is mode r of the whole: the one whose fit began there, where it stayed
+/// near; else the one of like shape within reach. None: the fit went to another mode, which says
+/// nothing of this one.
+std::optional<std::size_t> partner_in(const std::vector<FittedMode>& part, const FittedMode& mode,
+                                      std::size_t r) {
+  constexpr double near = 2.0;  // half widths of the resonance
+  constexpr double reach = 0.1, alike = 0.8;
+  const auto off = [&](const FittedMode& m) { return std::abs(m.omega() / mode.omega() - 1.0); };
+  if (off(part[r]) <= std::min(near * mode.damping_ratio(), reach)) return r;
+  std::optional<std::size_t> best;
+  double best_mac = alike;
+  for (std::size_t k = 0; k < part.size(); ++k) {
+    if (!(off(part[k]) <= reach)) continue;
+    const double mac = mac_matrix({mode.shape}, {part[k].shape})(0, 0);
+    if (!(mac > best_mac)) continue;
+    best_mac = mac;
+    best = k;
+  }
+  return best;
+}
+
 /// False where a channel is dead in this group.
 bool add_fit(const FrequencyResponses& responses, const Identification& found,
              const IdentifyOptions& options, Index group, GroupFits& fits) {
@@ -45,14 +66,17 @@ bool add_fit(const FrequencyResponses& responses, const Identification& found,
     return false;
   const auto modes = refitted_modes(responses, found, options.fit, Deviations::poles);
   for (Index r = 0; r < fits.omega.rows(); ++r) {
-    const auto& mode = modes[static_cast<std::size_t>(r)];
+    const auto& whole = found.modes[static_cast<std::size_t>(r)].fit;
+    const auto partner = partner_in(modes, whole, static_cast<std::size_t>(r));
+    const auto& mode = modes[partner.value_or(static_cast<std::size_t>(r))];
     fits.omega(r, group) = mode.omega();
     fits.omega_deviation(r, group) = mode.omega_deviation;
     fits.damping(r, group) = mode.damping_ratio();
     fits.damping_deviation(r, group) = mode.damping_deviation;
-    const auto& whole = found.modes[static_cast<std::size_t>(r)].fit;
-    fits.excitation(r, group) =
-        density_at(responses, whole).cwiseQuotient(density_at(found.responses, whole)).minCoeff();
+    fits.excitation(r, group) = partner ? density_at(responses, whole)
+                                              .cwiseQuotient(density_at(found.responses, whole))
+                                              .minCoeff()
+                                        : 0.0;
   }
   return true;
 }
