@@ -151,10 +151,11 @@ std::string identifiability_text(const Candidate& best, const TableStyle& style)
   const auto& found = best.identifiability;
   std::string text = bold("Identifiability", style) + "\n";
   text += fmt::format(
-      "{} of {} combinations of the parameters are known within ± {:g} %. {} have an effect on the "
+      "{} of {} combinations of the parameters {} known within ± {:g} %. {} {} an effect on the "
       "data.\nEach line: relative uncertainty, and the combination as a weighted sum of relative "
       "changes:\n",
-      found.rank, best.parameters.size(), 100.0 * free_above, found.numerical_rank);
+      found.rank, best.parameters.size(), found.rank == 1 ? "is" : "are", 100.0 * free_above,
+      found.numerical_rank, found.numerical_rank == 1 ? "has" : "have");
   for (int k = 0; k < found.numerical_rank; ++k)
     text += fmt::format("  ± {:<9} {}\n",
                         fmt::format("{:.2g} %", 100.0 * best.scatter / found.singular_values[k]),

@@ -21,16 +21,24 @@ std::vector<model::NamedPose> poses_of(const model::Machine& machine, const std:
   return poses;
 }
 
-/// "2 %", "drop 2 %", "5.2 Hz", "x=5.2 Hz", "x=3 %".
+/// "2 %", "drop 2 %", "5.2 Hz", "x=5.2 Hz", "x=3 %"; and as requirements of studies are written,
+/// "x >= 5.2 Hz", "lowest >= 5.2 Hz", "drop <= 2 %".
 diagnosis::RemedyGoal remedy_goal(const std::string& text) {
   diagnosis::RemedyGoal goal;
   std::string_view amount = base::trimmed(text);
   const std::string argument = "--want " + text;
   if (const auto equals = amount.find('='); equals != std::string::npos) {
-    const std::string direction(base::trimmed(amount.substr(0, equals)));
-    goal.direction = static_cast<int>(choose_word(
-        argument, direction, {spatial::direction_names.begin(), spatial::direction_names.end()}));
+    const char before = equals > 0 ? amount[equals - 1] : ' ';
+    const bool compares = before == '<' || before == '>';
+    const std::string direction(base::trimmed(amount.substr(0, equals - (compares ? 1 : 0))));
     amount = base::trimmed(amount.substr(equals + 1));
+    if (compares && (before == '<') != amount.ends_with('%'))
+      base::refuse(argument,
+                   "a frequency is at least what is wanted (\"x >= 5 Hz\") and a drop at most "
+                   "(\"x <= 2 %\")");
+    if (!compares || (direction != "lowest" && direction != "drop"))
+      goal.direction = static_cast<int>(choose_word(
+          argument, direction, {spatial::direction_names.begin(), spatial::direction_names.end()}));
   }
   if (amount.starts_with("drop")) amount = base::trimmed(amount.substr(4));
   if (amount.ends_with('%')) {
@@ -55,7 +63,7 @@ void add_diagnosis_options(Command command, DiagnosisArguments& arguments) {
   command.add_options(
       {{"--want", arguments.want,
         "Goal for the guide sleeves: a largest drop \"2 %\" below the rigid-leg model, "
-        "or a lowest frequency \"5 Hz\"; in one direction \"x=5 Hz\""},
+        "or a lowest frequency \"5 Hz\"; in one direction \"x=5 Hz\" or \"x >= 5 Hz\""},
        {"--poses", arguments.poses,
         "Poses for the goal and for further measurements: names or displacements "
         "separated by semicolons, all, or workspace [all of the file]"}});

@@ -125,6 +125,11 @@ std::string modes_text(const tasks::Identified& checks, const TableStyle& style)
         "Bootstrap: {} resamples of {} groups of blocks, relative uncertainty {:.0f} %.\n",
         checks.bootstrap->resamples, checks.bootstrap->groups,
         100.0 / std::sqrt(2.0 * (checks.bootstrap->groups - 1.0)));
+  if (checks.needed_duration)
+    text += fmt::format(
+        "Not tested: whether a sensor or a mode changed within the record. Sensors need {:.2g} s "
+        "of such blocks.\n",
+        *checks.needed_duration);
   for (const auto& h : result.responses.harmonics)
     text += harmonic_text(h, result.responses.outputs);
   for (const auto& m : result.heavily_damped)

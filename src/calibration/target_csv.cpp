@@ -20,7 +20,8 @@ using base::two_pi;
 
 class CsvReader {
  public:
-  CsvReader(const std::string& text, const std::string& file) : table_(text, file) {
+  CsvReader(const std::string& text, const std::string& file, const std::vector<std::string>& poses)
+      : poses_(poses), table_(text, file) {
     if (base::is_utf16(text) || base::first_invalid_utf8(text) != std::string::npos) {
       fault(0, "", std::string(base::is_utf16(text) ? base::utf16_refused : "not UTF-8 text"));
       throw base::InputError(faults_);
@@ -110,8 +111,9 @@ class CsvReader {
     fault(cell.column, title.name,
           unit.empty() && plain
               ? fmt::format("is {} without a unit; title the column `{} [Hz]`", text, title.name)
-          : read.problem.empty() ? "expected a frequency above 0"
-                                 : read.problem);
+          : read.problem.empty()
+              ? fmt::format("is {}, expected a frequency above 0", base::printable(cell.text))
+              : read.problem);
     return std::nan("");
   }
 
@@ -134,7 +136,11 @@ class CsvReader {
       if (name == "damping") mode.damping = number(cell, title, "1");
       if (name == "damping_deviation") mode.damping_deviation = damping_deviation(cell, title);
       if (name == "shape_against") mode.shape_against = shape_against(cell);
-      if (name == "pose") mode.pose = cell.text;
+      if (name == "pose") {
+        mode.pose = cell.text;
+        const auto problem = pose_fault(cell.text, poses_);
+        if (!problem.empty()) fault(cell.column, "pose", problem);
+      }
       if (name == "name") mode.name = cell.text;
       if (const int k = direction_index(name); k >= 0)
         shape[k] = number(cell, title, k < 3 ? "m" : "rad");
@@ -162,7 +168,8 @@ class CsvReader {
   double damping_deviation(const TableCell& cell, const TableTitle& title) {
     const double value = number(cell, title, "1");
     if (value > 0.0 || std::isnan(value)) return value;
-    fault(cell.column, title.name, "expected more than 0");
+    fault(cell.column, title.name,
+          fmt::format("is {}, expected more than 0", base::printable(cell.text)));
     return std::nan("");
   }
 
@@ -171,7 +178,9 @@ class CsvReader {
     const bool share = title.unit == "%" || cell.text.ends_with('%') || title.unit == "1";
     const double value = share ? number(cell, title, "1") : frequency(cell, title);
     if (value > 0.0) return share ? -value : value;
-    if (value <= 0.0) fault(cell.column, "deviation", "expected more than 0");
+    if (value <= 0.0)
+      fault(cell.column, "deviation",
+            fmt::format("is {}, expected more than 0", base::printable(cell.text)));
     return std::nan("");
   }
 
@@ -192,6 +201,7 @@ class CsvReader {
     targets_.modes.push_back(mode);
   }
 
+  const std::vector<std::string>& poses_;
   base::TableReader table_;
   std::vector<TableTitle> titles_{};
   Targets targets_{};
@@ -200,8 +210,9 @@ class CsvReader {
 
 }  // namespace
 
-Targets parse_target_csv(const std::string& text, const std::string& file) {
-  return CsvReader(text, file).read();
+Targets parse_target_csv(const std::string& text, const std::string& file,
+                         const std::vector<std::string>& poses) {
+  return CsvReader(text, file, poses).read();
 }
 
 }  // namespace hydrapod::calibration

@@ -66,8 +66,9 @@ std::optional<Amount> read_amount(const Section& table, std::string_view key) {
 
 class TargetReader {
  public:
-  TargetReader(const Node& root, std::string file, Faults& faults)
-      : root_(root), file_(std::move(file)), faults_(faults) {}
+  TargetReader(const Node& root, std::string file, const std::vector<std::string>& poses,
+               Faults& faults)
+      : root_(root), file_(std::move(file)), poses_(poses), faults_(faults) {}
 
   TargetsFile read() {
     check_keys(root_, "",
@@ -106,7 +107,9 @@ class TargetReader {
     const auto read =
         read_frequency(value.node->text, value.node->is_number(), value.node->number, plain_unit_);
     if (read.problem.empty() && read.omega > 0.0) return read.omega;
-    table.report(value, read.problem.empty() ? "expected a frequency above 0" : read.problem);
+    table.report(value, read.problem.empty() ? fmt::format("is {}, expected a frequency above 0",
+                                                           model::described(*value.node))
+                                             : read.problem);
     return std::nan("");
   }
 
@@ -151,7 +154,12 @@ class TargetReader {
     read_direction(table, mode);
     read_damping(table, mode);
     read_shape(table, mode);
-    if (table.has("pose")) mode.pose = table.text("pose");
+    if (const auto at_pose = table.find("pose")) {
+      mode.pose = table.text("pose");
+      const auto problem = pose_fault(mode.pose, poses_);
+      if (!problem.empty() && at_pose.node->kind == Node::Kind::text)
+        table.report(at_pose, problem);
+    }
     for (const auto& [key, message] : target_faults(mode))
       if (const auto at_fault = table.find(key)) table.report(at_fault, message);
     add_repeated(table, mode, targets);
@@ -322,6 +330,7 @@ class TargetReader {
 
   const Node& root_;
   std::string file_;
+  const std::vector<std::string>& poses_;
   Faults& faults_;
   std::string plain_unit_{};
   bool damped_{true};
@@ -379,9 +388,15 @@ std::vector<TargetFault> target_faults(const ModeTarget& mode) {
   return faults;
 }
 
+std::string pose_fault(const std::string& pose, const std::vector<std::string>& poses) {
+  if (poses.empty() || std::ranges::count(poses, pose) > 0) return {};
+  return fmt::format("is \"{}\", expected a pose of the machine: {}", base::printable(pose),
+                     fmt::join(poses, ", "));
+}
+
 TargetsFile read_target_tables(const model::Node& root, const std::string& file,
-                               model::Faults& faults) {
-  return TargetReader(root, file, faults).read();
+                               const std::vector<std::string>& poses, model::Faults& faults) {
+  return TargetReader(root, file, poses, faults).read();
 }
 
 }  // namespace hydrapod::calibration

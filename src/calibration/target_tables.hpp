@@ -15,10 +15,14 @@ using spatial::Vector6;
 
 /// Everything of a TOML targets file; mistakes go to `faults`.
 TargetsFile read_target_tables(const model::Node& root, const std::string& file,
-                               model::Faults& faults);
+                               const std::vector<std::string>& poses, model::Faults& faults);
+
+/// What is wrong with the name of a pose; empty: nothing, or the poses are not known.
+std::string pose_fault(const std::string& pose, const std::vector<std::string>& poses);
 
 /// Targets from the text of a CSV file. Throws base::InputError with every mistake.
-Targets parse_target_csv(const std::string& text, const std::string& file);
+Targets parse_target_csv(const std::string& text, const std::string& file,
+                         const std::vector<std::string>& poses);
 
 /// The frequency [rad/s] that `text` is ("11.3 Hz", "71 rad/s"), or a plain number in
 /// `plain_unit` ("Hz", "rad/s", or empty: plain numbers are refused). Empty `problem` when read.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <numeric>
 
 #include "damped.hpp"
@@ -20,7 +21,7 @@ namespace {
 /// Modes × groups.
 struct GroupFits {
   MatrixXd omega{}, omega_deviation{}, damping{}, damping_deviation{};
-  MatrixXd excitation{};  // see WanderOptions::least_excitation
+  MatrixXd excitation{};  // see WanderOptions::least_excitation; 0: the mode is not in this group
 };
 
 /// Per input, mean over the half-power band of a mode and the lines nearest to it.
@@ -36,6 +37,27 @@ VectorXd density_at(const FrequencyResponses& r, const FittedMode& mode) {
   return sum / static_cast<double>(to - from + 1);
 }
 
+/// The mode of a part that is mode r of the whole: the one whose fit began there, where it stayed
+/// near; else the one of like shape within reach. None: the fit went to another mode, which says
+/// nothing of this one.
+std::optional<std::size_t> partner_in(const std::vector<FittedMode>& part, const FittedMode& mode,
+                                      std::size_t r) {
+  constexpr double near = 2.0;  // half widths of the resonance
+  constexpr double reach = 0.1, alike = 0.8;
+  const auto off = [&](const FittedMode& m) { return std::abs(m.omega() / mode.omega() - 1.0); };
+  if (off(part[r]) <= std::min(near * mode.damping_ratio(), reach)) return r;
+  std::optional<std::size_t> best;
+  double best_mac = alike;
+  for (std::size_t k = 0; k < part.size(); ++k) {
+    if (!(off(part[k]) <= reach)) continue;
+    const double mac = mac_matrix({mode.shape}, {part[k].shape})(0, 0);
+    if (!(mac > best_mac)) continue;
+    best_mac = mac;
+    best = k;
+  }
+  return best;
+}
+
 /// False where a channel is dead in this group.
 bool add_fit(const FrequencyResponses& responses, const Identification& found,
              const IdentifyOptions& options, Index group, GroupFits& fits) {
@@ -44,14 +66,17 @@ bool add_fit(const FrequencyResponses& responses, const Identification& found,
     return false;
   const auto modes = refitted_modes(responses, found, options.fit, Deviations::poles);
   for (Index r = 0; r < fits.omega.rows(); ++r) {
-    const auto& mode = modes[static_cast<std::size_t>(r)];
+    const auto& whole = found.modes[static_cast<std::size_t>(r)].fit;
+    const auto partner = partner_in(modes, whole, static_cast<std::size_t>(r));
+    const auto& mode = modes[partner.value_or(static_cast<std::size_t>(r))];
     fits.omega(r, group) = mode.omega();
     fits.omega_deviation(r, group) = mode.omega_deviation;
     fits.damping(r, group) = mode.damping_ratio();
     fits.damping_deviation(r, group) = mode.damping_deviation;
-    const auto& whole = found.modes[static_cast<std::size_t>(r)].fit;
-    fits.excitation(r, group) =
-        density_at(responses, whole).cwiseQuotient(density_at(found.responses, whole)).minCoeff();
+    fits.excitation(r, group) = partner ? density_at(responses, whole)
+                                              .cwiseQuotient(density_at(found.responses, whole))
+                                              .minCoeff()
+                                        : 0.0;
   }
   return true;
 }
@@ -59,6 +84,12 @@ bool add_fit(const FrequencyResponses& responses, const Identification& found,
 /// So many averages tell the errors of responses well enough.
 double averages_needed(const ChannelChoice& choice, const WanderOptions& options) {
   return static_cast<double>(choice.inputs.size()) + options.least_degrees;
+}
+
+/// And so many for a sensor, whose test sums over all lines and takes no interval of any of them.
+double averages_for_sensors(const ChannelChoice& choice) {
+  constexpr double least_degrees = 2.0;
+  return static_cast<double>(choice.inputs.size()) + least_degrees;
 }
 
 /// Neighbours put together until each has averages enough; empty where there are not two such.
@@ -78,6 +109,16 @@ std::vector<CrossSpectra> large_enough(std::vector<CrossSpectra> groups, double 
     if (have_enough(joined)) return joined;
   }
   return {};
+}
+
+/// [s] of a record whose halves have these averages, with blocks of the same length, where one of
+/// `duration` is of these groups.
+double duration_for(const std::vector<CrossSpectra>& groups, double averages, double duration) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto& group : groups) least = std::min(least, group.statistics.effective_averages);
+  const double in_half = 0.5 * static_cast<double>(groups.size()) * least;
+  constexpr double longest = 100.0;  // where hardly any block is whole
+  return duration * std::clamp(averages / in_half, 1.0, longest);
 }
 
 struct Spread {
@@ -116,7 +157,8 @@ class PartFits {
   PartFits(const Identification& found, const IdentifyOptions& options)
       : found_(found), options_(options), sensors_(found.responses) {}
 
-  void add(CrossSpectra&& part, const ChannelChoice& choice, Estimator estimator) {
+  /// `fit`: or only the sensors are looked at.
+  void add(CrossSpectra&& part, const ChannelChoice& choice, Estimator estimator, bool fit = true) {
     for (auto* m : {&fits_.omega, &fits_.omega_deviation, &fits_.damping, &fits_.damping_deviation,
                     &fits_.excitation})
       m->conservativeResize(static_cast<Index>(found_.modes.size()), fitted_ + 1);
@@ -126,6 +168,7 @@ class PartFits {
       const auto responses = responses_for_modes(part, choice, estimator);
       part = {};  // no longer needed, and large
       sensors_.add(responses, label);
+      if (!fit) return;
       fitted_ += add_fit(responses, found_, options_, fitted_, fits_);
     } catch (const base::ComputationError&) {  // this part has too little in it
     }
@@ -203,14 +246,11 @@ std::optional<data::ResponseWarning> changed_between(data::RecordSet& records,
                                                      const MeasureOptions& measure,
                                                      const Identification& found,
                                                      const numerics::Progress& progress) {
-  constexpr double least_degrees = 2.0;
   SensorWatch sensors(found.responses);
   each_record(records, measured, measure, progress, found.to,
               [&](std::size_t record, CrossSpectra&& spectra, const ChannelChoice& choice,
                   Estimator estimator) {
-                if (spectra.statistics.effective_averages <
-                    static_cast<double>(choice.inputs.size()) + least_degrees)
-                  return;
+                if (spectra.statistics.effective_averages < averages_for_sensors(choice)) return;
                 try {
                   sensors.add(responses_for_modes(spectra, choice, estimator), record);
                 } catch (const base::ComputationError&) {  // this record has too little in it
@@ -257,9 +297,14 @@ PartsFinding compare_parts(data::RecordSet& records, const Measurement& measured
   // neighbours are put together, for which all are needed
   auto all = measure_groups(records, measured, measure, most_parts, watched, found.to);
   if (stopped) return {};
+  auto halves = large_enough(all.groups, averages_needed(all.choice, options));
+  const bool fit = !halves.empty();
+  const double needed = averages_for_sensors(all.choice);
+  if (!fit && !several) halves = large_enough(all.groups, needed);
+  if (halves.empty() && !several)
+    finding.needed_duration = duration_for(all.groups, needed, duration);
   PartFits joined(found, identify);
-  for (auto& part : large_enough(std::move(all.groups), averages_needed(all.choice, options)))
-    joined.add(std::move(part), all.choice, all.estimator);
+  for (auto& part : halves) joined.add(std::move(part), all.choice, all.estimator, fit);
   say(joined);
   return finding;
 }

@@ -238,8 +238,9 @@ std::vector<std::string> calibration_remarks(const Calibration& result, const Ta
   if (!best.converged && !result.interrupted)
     remarks.push_back("the fit has not converged; more steps (`max_iterations` in [fit]) may help");
   if (best.targets.size() < best.parameters.size())
-    remarks.push_back(fmt::format("{} parameters are free, but there are only {} targets",
-                                  best.parameters.size(), best.targets.size()));
+    remarks.push_back(fmt::format("{} parameters are free, but there {} only {} target{}",
+                                  best.parameters.size(), best.targets.size() == 1 ? "is" : "are",
+                                  best.targets.size(), best.targets.size() == 1 ? "" : "s"));
   for (const auto& p : best.parameters) {
     if (p.verdict == Verdict::by_prior)
       remarks.push_back(

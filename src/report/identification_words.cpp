@@ -55,16 +55,22 @@ std::string limit_text(double limit, const data::ResponseWarning& w) {
   return fmt::format("{:.{}g}", limit, std::min(4 + static_cast<int>(more), 17));
 }
 
+/// A share in per cent, which two digits would show as 1e+02 from 99.5 on.
+std::string two_digits(double share) {
+  const double percent = 100.0 * share;
+  return std::abs(percent) < 99.5 ? fmt::format("{:.2g}", percent) : fmt::format("{:.0f}", percent);
+}
+
 std::string missing_samples_text(const data::ResponseWarning& w) {
   return fmt::format(
-      "{:.2g} % of the samples are missing, most in {} ({:.2g} %): they were filled by prediction "
+      "{} % of the samples are missing, most in {} ({} %): they were filled by prediction "
       "from the samples beside them{}",
-      100.0 * static_cast<double>(w.count) /
-          static_cast<double>(std::max<std::int64_t>(1, w.total)),
-      w.channel, 100.0 * w.share,
-      w.value > 0.0 ? fmt::format("; {:.2g} % of the power of the inputs stays unknown: its "
+      two_digits(static_cast<double>(w.count) /
+                 static_cast<double>(std::max<std::int64_t>(1, w.total))),
+      w.channel, two_digits(w.share),
+      w.value > 0.0 ? fmt::format("; {} % of the power of the inputs stays unknown: its "
                                   "response acts as noise, which the intervals include",
-                                  100.0 * w.value)
+                                  two_digits(w.value))
                     : "");
 }
 
@@ -188,10 +194,10 @@ std::string warning_text(const data::ResponseWarning& w) {
           w.channel, w.other, w.other);
     case Kind::clipped:
       return fmt::format(
-          "{}: {:.2g} % of the samples, {:.2g} % of the power, are cut off at {} or {}: the "
+          "{}: {} % of the samples, {} % of the power, are cut off at {} or {}: the "
           "channel "
           "looks clipped, and its results are distorted",
-          w.channel, 100.0 * w.share, 100.0 * w.value, limit_text(w.lowest, w),
+          w.channel, two_digits(w.share), two_digits(w.value), limit_text(w.lowest, w),
           limit_text(w.highest, w));
     case Kind::blocks_left_out:
       return fmt::format("{} of {} blocks have missing samples and were left out", w.count,
@@ -203,9 +209,9 @@ std::string warning_text(const data::ResponseWarning& w) {
           w.value);
     case Kind::biased:
       return fmt::format(
-          "{} is biased by the loop: it differs from the instrumental estimate by {:.2g} % "
+          "{} is biased by the loop: it differs from the instrumental estimate by {} % "
           "(median), outside its 95 % band at {:.0f} % of the lines; take --estimator iv",
-          data::estimator_text(w.estimator), 100.0 * w.value, 100.0 * w.share);
+          data::estimator_text(w.estimator), two_digits(w.value), 100.0 * w.share);
     case Kind::excited_band:
       return fmt::format(
           "the excitation reaches the inputs only from {:.4g} Hz to {:.4g} Hz{}: modes elsewhere "
@@ -245,17 +251,17 @@ std::string warning_text(const data::ResponseWarning& w) {
           w.channel, w.other);
     case Kind::held:
       return fmt::format(
-          "{}: {:.2g} % of the samples stand still, {} of up to {:.4g} s, while the excitation "
+          "{}: {} % of the samples stand still, {} of up to {:.4g} s, while the excitation "
           "goes "
           "on: taken as missing",
-          w.channel, 100.0 * w.share,
+          w.channel, two_digits(w.share),
           w.total == 1 ? "in a run" : fmt::format("in {} runs", w.total), w.value);
     case Kind::drop_outs:
       return fmt::format(
-          "all channels stand still at once in {} of up to {:.4g} s, {:.2g} % of the samples: "
+          "all channels stand still at once in {} of up to {:.4g} s, {} % of the samples: "
           "taken "
           "as missing",
-          w.total == 1 ? "a run" : fmt::format("{} runs", w.total), w.value, 100.0 * w.share);
+          w.total == 1 ? "a run" : fmt::format("{} runs", w.total), w.value, two_digits(w.share));
     case Kind::slow_channel:
       return slow_text(w);
     case Kind::clipped_hits:
@@ -269,10 +275,10 @@ std::string warning_text(const data::ResponseWarning& w) {
                          w.channel, 1e3 * w.value, w.other);
     case Kind::hum:
       return fmt::format(
-          "{}: a tone of {:.4g} Hz, {:.2g} % of the largest hit, goes on where nothing is hit: "
+          "{}: a tone of {:.4g} Hz, {} % of the largest hit, goes on where nothing is hit: "
           "taken out "
           "as hum of the cable",
-          w.channel, w.value, 100.0 * w.share);
+          w.channel, w.value, two_digits(w.share));
     case Kind::two_clocks:
       return two_clocks_text(w);
     case Kind::exponential_window:
@@ -340,22 +346,23 @@ std::string warning_text(const identification::ModeWarning& w) {
       return fmt::format(
           "the modal model does not explain {} of {} responses; the worst is {}{} from {:.4g} "
           "Hz to {:.4g} Hz: the residual is {:.2g} times its noise (mean square), {:.0f} % of it "
-          "goes on from line to line, and it is {:.2g} % of the response; a mode may be missing "
+          "goes on from line to line, and it is {} % of the response; a mode may be missing "
           "there, and the intervals of modes there cannot be trusted",
           w.count, w.total, w.output, w.input.empty() ? "" : " to " + w.input, w.from, w.to,
-          w.value, 100.0 * std::clamp(w.smooth, 0.0, 1.0), 100.0 * std::sqrt(w.share));
+          w.value, 100.0 * std::clamp(w.smooth, 0.0, 1.0), two_digits(std::sqrt(w.share)));
     case Kind::wanders:
       return fmt::format(
           "the mode at {:.4g} Hz wanders: it is from {:.4g} Hz to {:.4g} Hz in the {} parts of the "
-          "record; that widens its resonance, its damping ratio is {:.0f} % higher than the mean "
+          "record; {}its damping ratio is {:.0f} % {} than the mean "
           "of the parts, and its intervals cannot be trusted",
-          w.value, w.from, w.to, w.count, 100.0 * w.share);
+          w.value, w.from, w.to, w.count, w.share < 0.0 ? "" : "that widens its resonance, ",
+          100.0 * std::abs(w.share), w.share < 0.0 ? "lower" : "higher");
     case Kind::short_blocks:
       return fmt::format(
-          "{} of {} modes are narrower than two lines of blocks of {:.3g} s, most of all that at "
+          "{} of {} modes {} narrower than two lines of blocks of {:.3g} s, most of all that at "
           "{:.4g} Hz, which is {:.2g} Hz wide: modes that are nearer to each other come out as one "
           "with a damping ratio that is too high; take longer blocks",
-          w.count, w.total, w.value, w.from, w.to);
+          w.count, w.total, w.count == 1 ? "is" : "are", w.value, w.from, w.to);
     case Kind::peaks_above:
       return fmt::format(
           "modes were looked for from {:.4g} Hz to {:.4g} Hz, and the responses have {} above, the "
@@ -363,12 +370,11 @@ std::string warning_text(const identification::ModeWarning& w) {
           w.from, w.to, w.count == 1 ? "a peak" : fmt::format("{} peaks", w.count), w.value);
     case Kind::conjugated:
       return fmt::format(
-          "the phases rise through the resonances: from {:.4g} Hz to {:.4g} Hz modes leave {:.2g} "
-          "% "
-          "of the responses unexplained, and {:.2g} % of the conjugated ones; the file follows the "
+          "the phases rise through the resonances: from {:.4g} Hz to {:.4g} Hz modes leave {} % "
+          "of the responses unexplained, and {} % of the conjugated ones; the file follows the "
           "convention e^(−iωt), or its cross spectra are formed the other way round: change the "
           "sign of all imaginary parts, or of all phases",
-          w.from, w.to, 100.0 * w.share, 100.0 * w.value);
+          w.from, w.to, two_digits(w.share), two_digits(w.value));
   }
   return {};
 }

@@ -53,7 +53,9 @@ void take_stated_poses(const MeasuredOptions& options, Machine& machine) {
 Calibrated prepared(Machine& machine, const CalibrateOptions& options, const Progress& progress) {
   Calibrated result;
   if (!std::filesystem::exists(options.targets) || is_mode_list(options.targets)) {
-    auto file = calibration::read_targets(options.targets);
+    std::vector<std::string> poses;
+    for (const auto& pose : machine.file.machine.poses) poses.push_back(pose.name);
+    auto file = calibration::read_targets(options.targets, poses);
     result.targets = std::move(file.targets);
     result.plan = std::move(file.plan);
   } else {

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <numbers>
+#include <tuple>
 
 #include "hydrapod/base/error.hpp"
 
@@ -166,8 +167,10 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"Length", "t.toml", "[[mode]]\nfrequency = \"11.3 mm\"\n",
               "t.toml:2:13: error: mode[0].frequency: is \"11.3 mm\", expected a frequency such as "
               "\"11.3 Hz\" or \"71 rad/s\""},
-        Wrong{"Negative", "t.toml", "[[mode]]\nfrequency = \"-3 Hz\"\n",
-              "t.toml:2:13: error: mode[0].frequency: expected a frequency above 0"},
+        Wrong{
+            "Negative", "t.toml", "[[mode]]\nfrequency = \"-3 Hz\"\n",
+            "t.toml:2:13: error: mode[0].frequency: is the string \"-3 Hz\", expected a frequency "
+            "above 0"},
         Wrong{
             "Direction", "t.toml", "[[mode]]\nfrequency = \"3 Hz\"\ndirection = \"roll\"\n",
             "t.toml:3:13: error: mode[0].direction: is the string \"roll\", expected one of x, y, "
@@ -216,6 +219,28 @@ INSTANTIATE_TEST_SUITE_P(
               "t.toml:1:8: error: not valid TOML in table header: expected ']', saw '\\n'"}),
     [](const auto& info) { return info.param.name; });
 
+/// All mistakes of a file are reported at once, poses too where the machine is known.
+TEST(Targets, OfAPoseThatTheMachineLacksAreReportedWithTheOtherMistakes) {
+  const std::vector<std::string> poses{"neutral", "low"};
+  for (const auto& [file, text, at] :
+       {std::tuple{"t.csv", "frequency [Hz],pose\n11.3,nowhere\n-3,low\n", "t.csv:2:6"},
+        std::tuple{"t.toml",
+                   "[[mode]]\nfrequency = \"11.3 Hz\"\npose = \"nowhere\"\n[[mode]]\nfrequency = "
+                   "\"-3 Hz\"\npose = \"low\"\n",
+                   "t.toml:3:8"}}) {
+    try {
+      std::ignore = parse_targets(text, file, poses);
+      FAIL() << file;
+    } catch (const base::InputError& error) {
+      ASSERT_EQ(error.diagnostics().size(), 2U) << error.what();
+      EXPECT_THAT(error.diagnostics()[0].text(), testing::StartsWith(at));
+      EXPECT_THAT(
+          error.diagnostics()[0].text(),
+          testing::EndsWith("is \"nowhere\", expected a pose of the machine: neutral, low"));
+    }
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(
     Csv, WrongTargets,
     testing::Values(
@@ -245,7 +270,11 @@ INSTANTIATE_TEST_SUITE_P(
               "t.csv:2:1: error: damping: is -0.05, expected a damping ratio of at least 0 and "
               "below 1"},
         Wrong{"DampingDeviation", "t.csv", "frequency [Hz],damping_deviation\n11.3,0\n",
-              "t.csv:2:6: error: damping_deviation: expected more than 0"},
+              "t.csv:2:6: error: damping_deviation: is 0, expected more than 0"},
+        Wrong{"Negative", "t.csv", "frequency [Hz]\n-3\n",
+              "t.csv:2:1: error: frequency: is -3, expected a frequency above 0"},
+        Wrong{"Deviation", "t.csv", "frequency [Hz],deviation [%]\n11.3,-1\n",
+              "t.csv:2:6: error: deviation: is -1, expected more than 0"},
         Wrong{"ShapeAgainst", "t.csv", "frequency [Hz],x,shape_against\n11.3,1,floor\n",
               "t.csv:2:8: error: shape_against: is \"floor\", expected ground or base"},
         Wrong{"Huge", "t.csv", "frequency [Hz]\n1e305\n",

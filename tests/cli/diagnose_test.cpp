@@ -165,6 +165,16 @@ TEST_F(DiagnoseCommand, RemedyHoldsWhenItIsTried) {
   EXPECT_NEAR(mended["modes"][0]["frequency_hz"].get<double>(), 5.0, 1e-4);
 }
 
+/// What studies require is written the same way here.
+TEST_F(DiagnoseCommand, AGoalMayBeWrittenAsARequirement) {
+  const auto remedy = [&](const std::string& want) {
+    return json_of({"diagnose", machine_, "--want", want, "--format", "json"})["remedy"].dump();
+  };
+  EXPECT_EQ(remedy("x >= 5 Hz"), remedy("x=5 Hz"));
+  EXPECT_EQ(remedy("drop <= 3 %"), remedy("3 %"));
+  EXPECT_EQ(remedy("lowest >= 5 Hz"), remedy("5 Hz"));
+}
+
 TEST_F(DiagnoseCommand, WithoutAMeasurementSaysWhatTheDropBelongsTo) {
   const auto run = run_hydrapod({"diagnose", machine_});
   EXPECT_EQ(run.exit_code, 0) << run.err;
@@ -253,6 +263,8 @@ TEST_F(DiagnoseCommand, MistakesAreNamed) {
       {{"--want", "-3 Hz"}, "a frequency above 0"},
       {{"--want", "q=3 Hz"}, "accepted are x, y, z"},
       {{"--want", "3 kg"}, "--want 3 kg"},
+      {{"--want", "x <= 5 Hz"}, "a frequency is at least what is wanted"},
+      {{"--want", "q >= 5 Hz"}, "accepted are x, y, z"},
       {{"--poses", "nowhere"}, "unknown pose"},
       {{"--pose", "lo"}, "did you mean 'low'"},
       {{"--measured", "nothing.csv"}, "nothing.csv"},

@@ -44,6 +44,20 @@ TEST(Wandering, ModesThatStayAreNotNamed) {
         << seed;
 }
 
+/// A step that is wider than the resonance makes two peaks: in a part the partner of a mode is one
+/// of the same shape near by, or none, and never another mode.
+TEST(Wandering, ThePartnerInAPartIsTheSameMode) {
+  const auto system = five_masses();
+  for (int drifting = 1; drifting < 4; ++drifting) {
+    const auto found =
+        tested_for_wandering(drifting_record(system, {.mode = drifting, .size = 0.12}, 3));
+    for (const auto& warning : wandering_in(found)) {
+      EXPECT_GT(warning.from, 0.89 * warning.value) << drifting;
+      EXPECT_LT(warning.to, 1.11 * warning.value) << drifting;
+    }
+  }
+}
+
 /// Quarters are fitted as they are read where they are long enough, and put together where they are
 /// not: what comes out is that of all spectra at once.
 TEST(Wandering, OfARecordIsThatOfItsGroups) {

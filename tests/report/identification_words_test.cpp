@@ -139,6 +139,25 @@ TEST(IdentificationWords, LimitsOfAClippedChannelHaveTheDigitsThatTellThemApart)
   EXPECT_THAT(warning_text(warning), HasSubstr("are cut off at 2.2351234 or 2.2355: the channel"));
 }
 
+TEST(IdentificationWords, AModeThatWandersMayHaveALowerDampingRatio) {
+  const std::string text = warning_text({.kind = identification::ModeWarning::Kind::wanders,
+                                         .value = 7.28,
+                                         .from = 7.27,
+                                         .to = 7.5,
+                                         .share = -0.17,
+                                         .count = 2});
+  EXPECT_THAT(text, HasSubstr("its damping ratio is 17 % lower than the mean of the parts"));
+  EXPECT_THAT(text, testing::Not(HasSubstr("widens")));
+}
+
+TEST(IdentificationWords, AllOfItIsAHundredPerCentAndOneModeIsSingular) {
+  using Kind = identification::ModeWarning::Kind;
+  EXPECT_THAT(warning_text({.kind = Kind::conjugated, .value = 0.02, .share = 0.998}),
+              HasSubstr("modes leave 100 % of the responses"));
+  EXPECT_THAT(warning_text({.kind = Kind::short_blocks, .count = 1, .total = 6}),
+              HasSubstr("1 of 6 modes is narrower"));
+}
+
 TEST(IdentificationWords, WhereAllOutputsChangedAnInputMayHave) {
   data::ResponseWarning warning{.kind = data::ResponseWarning::Kind::sensor_changed,
                                 .channel = "d2",

@@ -39,6 +39,19 @@ data::Record sound_record(std::uint64_t seed, const test::ModalSystem& all = thr
   return record;
 }
 
+/// Two forces: ten blocks of 4096 samples, halves of some 6 averages.
+data::Record record_of_two_forces(std::uint64_t seed) {
+  auto system = three_masses(0.02);
+  for (auto& mode : system.modes) mode.participation = mode.participation.head(2).eval();
+  auto record = test::record_of(system, {.sample_rate = 60.0,
+                                         .samples = 40000,
+                                         .output_noise = Eigen::Vector3d(1.0, 1.2, 0.8) * 1e-5,
+                                         .seed = seed});
+  for (int o = 1; o <= 3; ++o)
+    record.header.channels[static_cast<std::size_t>(o + 1)].name = fmt::format("d{}", o);
+  return record;
+}
+
 class SensorChanged : public testing::Test {
  protected:
   [[nodiscard]] std::string written(const char* name, const data::Record& record) const {
@@ -126,6 +139,34 @@ TEST_F(SensorChanged, WithinARecordItsTimeIsNamed) {
   EXPECT_TRUE(std::ranges::any_of(found.warnings, [](const base::Diagnostic& d) {
     return d.message.find("in the rest of the record") != std::string::npos;
   }));
+}
+
+/// Parts with few averages do for sensors, though not for modes that wander.
+TEST_F(SensorChanged, WithinAShortRecordOfTwoForcesItIsNamed) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    auto record = record_of_two_forces(seed);
+    EXPECT_TRUE(changed_in(identified({written("sound.h5", record)})).empty()) << seed;
+    record.samples.col(3).tail(record.samples.rows() / 2) *= -1.0;
+    const auto found = identified({written("run.h5", record)});
+    EXPECT_LT(found.modes.responses.averages, 20.0);
+    EXPECT_FALSE(found.needed_duration.has_value());
+    const auto changed = changed_in(found);
+    ASSERT_EQ(changed.size(), 1U) << seed;
+    EXPECT_EQ(changed[0].channel, "d2");
+    EXPECT_NEAR(changed[0].value, -1.0, 0.05);
+  }
+}
+
+/// What was not tested is said, and how long a record would do.
+TEST_F(SensorChanged, ARecordTooShortForItSaysSo) {
+  IdentifyOptions options{.measure = {.files = {written("run.h5", record_of_two_forces(4))}},
+                          .compare = false};
+  options.measure.estimate.block_length = 8192;
+  const auto found = identify(options);
+  EXPECT_TRUE(changed_in(found).empty());
+  ASSERT_TRUE(found.needed_duration.has_value());
+  EXPECT_GT(*found.needed_duration, 40000.0 / 60.0);
+  EXPECT_LT(*found.needed_duration, 4000.0);
 }
 
 /// The part within which it changed is like neither side, and is no measure for them.

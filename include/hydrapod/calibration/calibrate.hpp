@@ -277,10 +277,11 @@ struct TargetsFile {
 };
 
 /// Reads `path`; CSV where it ends in .csv, else TOML. Throws base::InputError with every mistake.
-TargetsFile read_targets(const std::string& path);
+TargetsFile read_targets(const std::string& path, const std::vector<std::string>& poses = {});
 
 /// The same from text; `file_name` decides between CSV and TOML and is what messages call it.
-TargetsFile parse_targets(const std::string& text, const std::string& file_name);
+TargetsFile parse_targets(const std::string& text, const std::string& file_name,
+                          const std::vector<std::string>& poses = {});
 
 inline constexpr double relative_step = 1e-4;
 

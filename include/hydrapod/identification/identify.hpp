@@ -485,6 +485,8 @@ std::vector<Wandering> wandering_modes(std::vector<CrossSpectra> groups,
 struct PartsFinding {
   std::vector<Wandering> wandering{};
   std::optional<data::ResponseWarning> changed{};  ///< sensor_changed
+  /// [s] that the only record had to have for its sensors to be compared; none: they were.
+  std::optional<double> needed_duration{};
 };
 
 /// The same with quarters of the records, read once more; and a sensor that changed between records
