@@ -58,6 +58,7 @@ TEST_F(Calibrate, TargetsThatNothingMeetsGiveNoMachine) {
   const auto run = run_hydrapod(words);
   EXPECT_EQ(run.exit_code, 1) << run.err;
   EXPECT_THAT(run.err, HasSubstr("is not calibrated"));
+  EXPECT_THAT(run.out, HasSubstr("1 has an effect"));
   EXPECT_THAT(run.err, HasSubstr("check the unit of the target"));
   EXPECT_FALSE(std::filesystem::exists(output));
   words.emplace_back("--force");
