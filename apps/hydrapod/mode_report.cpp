@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "hydrapod/base/units.hpp"
+#include "hydrapod/model/section.hpp"
 #include "hydrapod/spatial/pose.hpp"
 #include "hydrapod/terminal.hpp"
 
@@ -127,6 +128,26 @@ std::string mechanics_state_line(const model::MachineFile& file) {
   return fmt::format("machine: {}\n", report::mechanics_state_text(file));
 }
 
+namespace {
+
+/// The word "rigid" for the spring of a leg is a stiffness, and the frequencies against it are no
+/// results.
+std::string stand_in_text(const model::Machine& machine) {
+  const bool rigid = std::ranges::all_of(machine.legs, [](const model::Leg& leg) {
+    const double stiffness = leg.strut   ? leg.strut->stiffness
+                             : leg.screw ? 0.0
+                                         : leg.oil_spring.stiffness.value_or(0.0);
+    return stiffness >= model::rigid_stiffness;
+  });
+  if (!rigid) return {};
+  return fmt::format(
+      "The legs are rigid along their axes: {:g} N/m or more stands for that, and frequencies of "
+      "modes in which legs are compressed are those of this value\n",
+      model::rigid_stiffness);
+}
+
+}  // namespace
+
 std::string heading(const tasks::Machine& subject, const TableStyle& style) {
   constexpr std::array<const char*, 3> what{"rigid-leg model", "guide-sleeve model",
                                             "guide-sleeve and piston-ring model"};
@@ -143,12 +164,12 @@ std::string heading(const tasks::Machine& subject, const TableStyle& style) {
       : machine.base_mount
           ? " (base and legs have no inertia: the mount is in series with the legs)"
           : "";
-  return fmt::format("{}, pose {}: {}, {} modes{}{}\n{}{}; {} axes; damping: {}\n",
+  return fmt::format("{}, pose {}: {}, {} modes{}{}\n{}{}; {} axes; damping: {}\n{}",
                      bold(machine.name, style), subject.pose.name,
                      what[static_cast<size_t>(subject.kind)], modes, base, payload,
                      mechanics_state_line(subject.file), report::gravity_text(machine),
                      machine.flexible_axes == model::FlexibleAxes::gimbal ? "gimbal" : "transverse",
-                     report::damping_text(machine));
+                     report::damping_text(machine), stand_in_text(machine));
 }
 
 std::string mode_text(const modal::ModeTable& table, const modal::ModeTable* before,

@@ -120,8 +120,8 @@ class CsvReader {
   void read_row(const std::vector<TableCell>& cells) {
     if (cells.size() != titles_.size())
       return fault(1, "",
-                   fmt::format("has {} cells, expected {} as in the title row", cells.size(),
-                               titles_.size()));
+                   fmt::format("has {} cell{}, expected {} as in the title row", cells.size(),
+                               cells.size() == 1 ? "" : "s", titles_.size()));
     ModeTarget mode{.damped = true};
     Vector6 shape = Vector6::Zero();
     std::optional<double> deviation;

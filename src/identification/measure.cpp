@@ -71,6 +71,19 @@ void compare_with_instrument(const Plan& plan, Measurement& m) {
                                     .estimator = plan.estimator});
 }
 
+/// Throws where the modes of the record in one piece were asked for, and averages are what is to be
+/// had. `short_record`: too short for averages.
+void refuse_averages(const MeasureOptions& options, bool short_record) {
+  if (!options.for_modes || !options.whole_record.value_or(false) || asks_for_blocks(options))
+    return;
+  throw base::ComputationError(
+      short_record ? "modes are not estimated from the whole record at once where samples are "
+                     "missing that cannot be filled; leave --whole-record out"
+                   : "modes are estimated from the whole record at once where it is too short for "
+                     "averages of blocks, and this one is not, or its excitation is periodic; "
+                     "leave --whole-record out");
+}
+
 /// What a reading gave, and whether it calls for a look at spikes.
 struct Attempt {
   Measurement measured{};
@@ -102,7 +115,8 @@ Attempt responses_without(const std::vector<Spike>& spikes, data::RecordSet& rec
   subtract_found_tones(records, plan, reading, m);
   auto harmonics = harmonics_of(reading.tones, plan.choice, options, m.spectra);
   const auto changes = bring_outputs_to_platform(options, plan.choice, m);
-  if (const auto blocks = too_few_blocks(records, reading, options); blocks && !m.interrupted) {
+  const auto blocks = too_few_blocks(records, reading, options);
+  if (blocks && !m.interrupted) {
     m.responses.harmonics = harmonics;
     if (keep_short_record(records, reading, *blocks, options, changes, plan.choice, m)) {
       m.choice = std::move(plan.choice);
@@ -110,6 +124,7 @@ Attempt responses_without(const std::vector<Spike>& spikes, data::RecordSet& rec
       return {std::move(m), is_suspicious};
     }
   }
+  if (!m.interrupted) refuse_averages(options, blocks.has_value());
   const auto earlier = std::move(m.responses.warnings);
   m.responses = responses_for_modes(m.spectra, plan.choice, plan.estimator);
   m.responses.harmonics = std::move(harmonics);

@@ -104,7 +104,7 @@ void check_counts(const CrossSpectra& spectra, const ChannelChoice& choice, Esti
   const double needed = static_cast<double>(p) + (periodic ? 0.0 : 1.0);
   if (spectra.blocks == 0 || available < needed)
     throw base::ComputationError(fmt::format(
-        "{} input{} need {} {}, this is {:.3g}{}: {}", p, p == 1 ? "" : "s",
+        "{} input{} need{} {} {}, this is {:.3g}{}: {}", p, p == 1 ? "" : "s", p == 1 ? "s" : "",
         periodic ? "at least as many records with different phases as inputs, that is" : "at least",
         periodic ? fmt::format("{}", p) : fmt::format("{:.3g} independent averages", needed),
         spectra.blocks == 0 ? 0.0 : available,

@@ -202,13 +202,16 @@ void refuse_few_periods(const Identification& found, double duration,
 
 }  // namespace
 
+bool asks_for_blocks(const MeasureOptions& options) {
+  return options.block_length || options.overlap || options.estimator || options.period ||
+         options.window != Window::hann;
+}
+
 std::optional<BlockCount> too_few_blocks(const data::RecordSet& records, const Reading& reading,
                                          const MeasureOptions& options) {
   const auto& plan = reading.plan;
-  const bool asked = options.block_length || options.overlap || options.estimator ||
-                     options.period || options.window != Window::hann;
   const bool wanted = options.whole_record.value_or(true);
-  if (!options.for_modes || !wanted || asked || reading.spectrum.periodic ||
+  if (!options.for_modes || !wanted || asks_for_blocks(options) || reading.spectrum.periodic ||
       (plan.estimator != Estimator::h1 && plan.estimator != Estimator::instrumental))
     return {};
   const auto left = static_cast<double>(

@@ -32,6 +32,9 @@ struct BlockCount {
   double fit{}, needed{};
 };
 
+/// Do the options say how blocks are to be averaged?
+bool asks_for_blocks(const MeasureOptions& options);
+
 /// None: the options say how blocks are to be averaged, or there are enough.
 std::optional<BlockCount> too_few_blocks(const data::RecordSet& records, const Reading& reading,
                                          const MeasureOptions& options);

@@ -27,6 +27,10 @@ void check_body(const std::string& key, double transverse, double axial, ValueCh
 /// With the platform held, the case turns about the base joint and the rod about the platform
 /// joint: a part without inertia about its joint would leave the mass matrix singular.
 void check_flexible_inertia(const Leg& leg, ValueChecks& checks) {
+  // nothing follows from a number that is wrong itself
+  for (const auto* key : {"case.mass", "case.mass_center", "case.transverse_inertia", "rod.mass",
+                          "rod.mass_center", "rod.transverse_inertia", "rod.length"})
+    if (!checks.sound(key)) return;
   const auto& of = leg.cylinder_case;
   const double to_joint = leg.rod.length - leg.rod.mass_center;
   const double of_case = of.transverse_inertia + of.mass * of.mass_center * of.mass_center;

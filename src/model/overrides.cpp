@@ -124,8 +124,11 @@ class Overlay {
     if (!path[known].index && !parent.is_table()) {
       reject(key, fmt::format("`{}` is {} and has no keys", to_string(above), described(parent)));
     } else if (!path[known].index) {
-      reject(key, fmt::format("`{}` is not in the file, give the whole array",
-                              to_string(KeyPath(path.begin(), index))));
+      const std::string array = to_string(KeyPath(path.begin(), index));
+      reject(key,
+             fmt::format("`{0}` is not in the file, which may give these numbers under another "
+                         "path; give the whole array, \"{0}=[…]\"",
+                         array));
     } else if (parent.kind == Node::Kind::array) {
       reject(key, fmt::format("`{}` is {}, counted from 0", to_string(above), described(parent)));
     } else {

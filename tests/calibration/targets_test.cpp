@@ -257,7 +257,7 @@ INSTANTIATE_TEST_SUITE_P(
               "t.csv:1:1: error: is a table of `hydrapod modes`, which has neither shapes nor a "
               "pose; give the JSON of the same command (-o modes.json)"},
         Wrong{"Cells", "t.csv", "frequency [Hz],direction\n11.3\n",
-              "t.csv:2:1: error: has 1 cells, expected 2 as in the title row"},
+              "t.csv:2:1: error: has 1 cell, expected 2 as in the title row"},
         Wrong{
             "Text", "t.csv", "frequency [Hz]\nfast\n",
             "t.csv:2:1: error: frequency: is \"fast\", expected a frequency such as \"11.3 Hz\" or "

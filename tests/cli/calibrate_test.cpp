@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
 #include "support/csv.hpp"
 #include "support/json_fields.hpp"
 
@@ -43,6 +45,25 @@ TEST_F(Calibrate, WritesTheMachineWithItsCommentsAndSaysHowSureItIs) {
   EXPECT_THAT(run.out, HasSubstr("\nmachine: nominal\n"));
   EXPECT_EQ(modes["machine"]["state"], "calibrated");
   EXPECT_THAT(run_hydrapod({"modes", output}).out, HasSubstr("\nmachine: calibrated\n"));
+}
+
+/// A frequency in revolutions per minute is met by no mode.
+TEST_F(Calibrate, TargetsThatNothingMeetsGiveNoMachine) {
+  const std::string output = (folder_ / "none.toml").string();
+  std::vector<std::string> words{
+      "calibrate", machine_,
+      "--targets", write("rpm.csv", "frequency [Hz],direction,deviation [%]\n65000,x,0.1\n"),
+      "--free",    "platform.mass=500 kg..2 t",
+      "-o",        output};
+  const auto run = run_hydrapod(words);
+  EXPECT_EQ(run.exit_code, 1) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("is not calibrated"));
+  EXPECT_THAT(run.out, HasSubstr("1 has an effect"));
+  EXPECT_THAT(run.err, HasSubstr("check the unit of the target"));
+  EXPECT_FALSE(std::filesystem::exists(output));
+  words.emplace_back("--force");
+  EXPECT_EQ(run_hydrapod(words).exit_code, 0);
+  EXPECT_TRUE(std::filesystem::exists(output));
 }
 
 TEST_F(Calibrate, GivesJsonWithProfileAndDrawsAPicture) {

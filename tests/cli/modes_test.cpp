@@ -58,6 +58,15 @@ TEST(Modes, OfRigidSleevesAreThoseOfTheRigidLegModel) {
   }
 }
 
+/// The stiffness that stands for "rigid" gives frequencies, which are no results.
+TEST(Modes, OfLegsThatAreRigidAreSaidToBeThoseOfAStandIn) {
+  const auto usual = run_hydrapod({"modes", heavy});
+  EXPECT_THAT(usual.out, Not(HasSubstr("stands for that")));
+  const auto run = run_hydrapod({"modes", published, "--set", "legs.oil_spring.stiffness=rigid"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("The legs are rigid along their axes: 1e+12 N/m"));
+}
+
 /// Two joints of a pair in one place, at the platform or at both ends, are the limit of small
 /// spacings.
 TEST_F(Starter, SixThreeAndThreeThreePlatformsAreTheLimit) {

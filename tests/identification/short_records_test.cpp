@@ -102,10 +102,13 @@ TEST(ShortRecords, AsManyBlocksAsItTakesAreAveraged) {
   constexpr double rate = 200.0, enough = 7.5 * 4096.0;
   MeasureOptions options;
   options.for_modes = true;
-  options.whole_record = true;
   const auto longer = measured({short_record(system, {.duration = enough / rate}, 7)}, options);
   EXPECT_EQ(longer.record, nullptr);
   EXPECT_FALSE(is_said_to_be_short(longer.responses));
+  // who asks for the record in one piece gets it, or an error
+  options.whole_record = true;
+  EXPECT_THROW(measured({short_record(system, {.duration = enough / rate}, 7)}, options),
+               base::ComputationError);
   const auto shorter =
       measured({short_record(system, {.duration = (enough - 1.0) / rate}, 7)}, options);
   EXPECT_NE(shorter.record, nullptr);

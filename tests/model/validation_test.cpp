@@ -301,6 +301,16 @@ TEST(Validation, FlexibleCoordinatesNeedInertia) {
   EXPECT_EQ(validate(machine).at(0).key, "leg.1.rod.transverse_inertia");
 }
 
+/// What follows from a wrong number is not reported besides it.
+TEST(Validation, AMassBelowZeroIsOneFinding) {
+  Machine machine = full_machine();
+  machine.legs[0].cylinder_case.mass = -60.0;
+  machine.legs[0].cylinder_case.mass_center = 2.0;
+  const auto findings = findings_about(machine);
+  EXPECT_THAT(findings, testing::Contains(testing::HasSubstr("case.mass: ")));
+  EXPECT_THAT(findings, testing::Not(testing::Contains(testing::HasSubstr("no inertia about"))));
+}
+
 TEST(Validation, TheGimbalAxisIsAUnitVector) {
   Machine machine = full_machine();
   machine.legs[0].gimbal_axis = Vector3(0, 2, 0);

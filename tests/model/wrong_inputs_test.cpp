@@ -477,7 +477,8 @@ const std::vector<WrongInput> wrong_overrides{
      {},
      {"environment.gravity=[0, 0, -9]", "leg.2.gimbal_axis[0]=1"},
      "--set leg.2.gimbal_axis[0]=1: error: leg.2.gimbal_axis[0]: `leg.2.gimbal_axis` is not in the "
-     "file, give the whole array"},
+     "file, which may give these numbers under another path; give the whole array, "
+     "\"leg.2.gimbal_axis=[…]\""},
     {"OverrideWithABrokenArray",
      {},
      {"platform.mass_center=[0, 0, 0.1 m]"},
