@@ -29,7 +29,6 @@ struct Arguments {
   std::string output{};
   std::string format{"table"};
   std::string plot{};
-  bool force{};
 };
 
 /// PATH[,PATH…][=LOW..HIGH]
@@ -127,17 +126,17 @@ void run(const Arguments& arguments) {
                                               machine.file.text, table_style("-"))
                        : calibration_json(machine, found));
   const auto impossible = impossible_target(found.result.best(), found.targets);
-  const bool writes_machine = !arguments.output.empty() && (!impossible || arguments.force);
+  const bool writes_machine = !arguments.output.empty() && !impossible;
   if (writes_machine)
     write_output(arguments.output, calibration::calibrated_text(machine.file, found.result.best()));
   draw(arguments.plot,
        [&](const auto& path) { report::plot_calibration(found.result, found.targets, path); });
-  if (impossible && !arguments.force) {
+  if (impossible) {
     const auto& target = found.result.best().targets[*impossible];
     throw base::ComputationError(
         fmt::format("the machine is not calibrated{}: target {} is {:.0f} σ from the mode paired "
                     "with it, which "
-                    "has {:.4g} Hz; check the unit of the target and the machine, or use --force",
+                    "has {:.4g} Hz; check the unit of the target and the machine",
                     arguments.output.empty() ? "" : ", and " + arguments.output + " is not written",
                     found.targets.modes[*impossible].name, std::abs(target.difference),
                     target.omega / base::two_pi));
@@ -185,8 +184,6 @@ void add_calibrate(Command app) {
        {"--threads", arguments.threads, "Threads; 0: one per core", range(0, 256)},
        {"-o,--output", arguments.output, "Calibrated machine file to write; comments are kept",
         writes},
-       {"--force", arguments.force,
-        "Write the machine even where a target is more than 100 σ and 25 % from its mode"},
        {"--format", arguments.format, "Report as table or json"},
        {"--plot", arguments.plot, "Picture of targets and model to write: .svg, .png or .pdf",
         writes}});
