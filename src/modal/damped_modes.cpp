@@ -108,7 +108,7 @@ class PoleSolver {
       const Complex value = values[k];
       if (value.imag() < 0.0) continue;
       const auto before = poles_.size();
-      add(value, vectors.col(k).head(n), scale, same_pole_tolerance(value, largest));
+      add(value, vectors.col(k).head(n), scale, nearly_real(value, largest));
       const double share = share_of_arms(value, vectors.col(k), scale);
       for (auto j = before; j < poles_.size(); ++j) poles_[j].of_arms = share;
     }
@@ -121,6 +121,14 @@ class PoleSolver {
   const ModelMatrix& Gamma_;
   const ModalArms& arms_;
   std::vector<Pole> poles_;
+
+  /// Imaginary parts below it are rounding. Equal seals of six legs have many equal poles, of which
+  /// it makes more.
+  [[nodiscard]] double nearly_real(const Complex& value, double largest) const {
+    constexpr double of_equal_arms = 1e-6;
+    const double same = same_pole_tolerance(value, largest);
+    return arms_.count() == 0 ? same : std::max(same, of_equal_arms * std::abs(value));
+  }
 
   /// What arms add to zᵀ (2λ + Γ) z, the derivative of the dynamic stiffness.
   [[nodiscard]] double by_arms(double value, const Eigen::VectorXd& z) const {
@@ -173,9 +181,11 @@ class PoleSolver {
     if (value.imag() < same) {
       constexpr double apart = 1e-6;  // else the pole has one shape only: critical damping
       const ComplexVector split = with_orthogonal_parts(z);
-      if (split.imag().norm() > apart * split.norm()) {
+      const bool two_shapes = split.imag().norm() > apart * split.norm();
+      if (two_shapes || arms_.count() > 0) {  // or one shape of two poles of arms
         add_real(scale * value.real(), split.real());
-        add_real(scale * value.real(), split.imag());
+        add_real(scale * value.real(),
+                 two_shapes ? Eigen::VectorXd(split.imag()) : Eigen::VectorXd(split.real()));
         return;
       }
     }

@@ -5,8 +5,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <complex>
 #include <fstream>
+#include <numbers>
 #include <string>
 
 #include "exact/modal_system.hpp"
@@ -60,12 +63,17 @@ TEST(LinesLeftOut, ZerosOfAnAnalyserAreSaidAndModesAreThoseOfTheRest) {
   const auto all = identified(whole), some = identified(blanked);
   EXPECT_EQ(said(all, "exactly 0"), 0);
   EXPECT_EQ(said(some, "frequencies a response is exactly 0, that of a2 to F most often"), 1);
+  int found = 0;
   for (const auto& mode : some.modes.modes) {
     const double omega = mode.fit.omega();
-    EXPECT_TRUE(std::ranges::any_of(all.modes.modes, [&](const auto& other) {
-      return std::abs(other.fit.omega() / omega - 1.0) < 2e-3;
-    })) << omega;
+    const bool is_true = std::ranges::any_of(std::array{1, 3, 5}, [&](int k) {
+      const double exact = 2.0 * std::sqrt(4000.0 / 1.3) * std::sin(k * std::numbers::pi / 14.0);
+      return std::abs(omega / exact - 1.0) < 1e-3;
+    });
+    found += is_true ? 1 : 0;
+    EXPECT_TRUE(is_true || mode.quality() < 0.3) << omega << ", quality " << mode.quality();
   }
+  EXPECT_EQ(found, 3);
 }
 
 TEST(LinesLeftOut, ADeadOutputOfATableIsSaid) {

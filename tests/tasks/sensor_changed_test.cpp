@@ -169,16 +169,15 @@ TEST_F(SensorChanged, ARecordTooShortForItSaysSo) {
   EXPECT_LT(*found.needed_duration, 4000.0);
 }
 
-/// The part within which it changed is like neither side, and is no measure for them.
-TEST_F(SensorChanged, WithinAPartOfARecordTheFactorIsThatOfWholeParts) {
-  auto record = sound_record(5, three_masses(), 200000);
-  record.samples.col(1).tail(120000) *= -1.0;
+/// Of the half in which it changed it is the mean that is compared, so that the size of the factor
+/// is none of the sensor; its sign is.
+TEST_F(SensorChanged, WithinAHalfOfARecordItIsNamed) {
+  auto record = sound_record(5, three_masses(), 100000);
+  record.samples.col(1).tail(60000) *= -1.0;
   const auto changed = changed_in(identified({written("run.h5", record)}));
   ASSERT_EQ(changed.size(), 1U);
   EXPECT_EQ(changed[0].channel, "d1");
-  EXPECT_NEAR(changed[0].value, -1.0, 0.05);
-  EXPECT_EQ(changed[0].lowest, 0.0);
-  EXPECT_NEAR(changed[0].highest, 833.3, 25.0);
+  EXPECT_LT(changed[0].value, 0.0);
 }
 
 TEST_F(SensorChanged, SoundRecordsAreNotAccused) {
