@@ -1,4 +1,3 @@
-#include "hydrapod/base/encoding.hpp"
 #include "hydrapod/base/text.hpp"
 
 namespace hydrapod::base {

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 
-#include "hydrapod/base/encoding.hpp"
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/base/units.hpp"

@@ -17,7 +17,6 @@
 #include "channel_units.hpp"
 #include "checksum.hpp"
 #include "formats.hpp"
-#include "hydrapod/base/encoding.hpp"
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/base/units.hpp"

@@ -8,7 +8,6 @@
 #include <optional>
 #include <tuple>
 
-#include "hydrapod/base/encoding.hpp"
 #include "hydrapod/base/text.hpp"
 
 namespace hydrapod::model {

@@ -36,6 +36,11 @@ std::string printable(std::string_view text, std::size_t limit = 60);
 /// Byte at which `text` stops being valid UTF-8; npos when all of it is.
 std::size_t first_invalid_utf8(std::string_view text);
 
+/// Is it UTF-16, two bytes per character, as "Unicode" of editors and spreadsheets? By the byte
+/// order mark, or by a zero in every second byte of the beginning.
+bool is_utf16(std::string_view text);
+inline constexpr std::string_view utf16_refused = "UTF-16 text; save the file as UTF-8";
+
 /// `text` without blanks, tabs and line ends at both ends.
 std::string_view trimmed(std::string_view text);
 
