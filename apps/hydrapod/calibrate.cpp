@@ -2,13 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <cstdio>
 #include <optional>
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/text.hpp"
-#include "hydrapod/base/units.hpp"
 #include "hydrapod/report/measured_results.hpp"
 #include "hydrapod/report/model_results.hpp"
 #include "hydrapod/reports.hpp"
@@ -81,23 +79,6 @@ tasks::CalibrateOptions options_of(const Arguments& arguments) {
   return options;
 }
 
-/// The target that no machine near this one has: its pair is another mode, or its unit is wrong.
-std::optional<std::size_t> impossible_target(const calibration::Candidate& best,
-                                             const observation::Targets& targets) {
-  constexpr double many = 100.0;  // standard deviations
-  constexpr double apart = 1.25;  // ratio of the frequencies
-  std::optional<std::size_t> worst;
-  for (std::size_t i = 0; i < best.targets.size(); ++i) {
-    const auto& target = best.targets[i];
-    const double off = std::abs(std::log(target.omega / targets.modes[i].omega));
-    if (target.outlier || !(std::abs(target.difference) > many) || !(off > std::log(apart)))
-      continue;
-    if (!worst || std::abs(target.difference) > std::abs(best.targets[*worst].difference))
-      worst = i;
-  }
-  return worst;
-}
-
 std::string calibration_json(const tasks::Machine& machine, const tasks::Calibrated& found) {
   auto head = report::head_json("calibration", machine.file, machine.path);
   head["model"] = dynamics::name(machine.kind);
@@ -125,22 +106,13 @@ void run(const Arguments& arguments) {
                              calibration_text(found.result, found.targets, found.profiles,
                                               machine.file.text, table_style("-"))
                        : calibration_json(machine, found));
-  const auto impossible = impossible_target(found.result.best(), found.targets);
-  const bool writes_machine = !arguments.output.empty() && !impossible;
-  if (writes_machine)
-    write_output(arguments.output, calibration::calibrated_text(machine.file, found.result.best()));
   draw(arguments.plot,
        [&](const auto& path) { report::plot_calibration(found.result, found.targets, path); });
-  if (impossible) {
-    const auto& target = found.result.best().targets[*impossible];
-    throw base::ComputationError(
-        fmt::format("the machine is not calibrated{}: target {} is {:.0f} σ from the mode paired "
-                    "with it, which "
-                    "has {:.4g} Hz; check the unit of the target and the machine",
-                    arguments.output.empty() ? "" : ", and " + arguments.output + " is not written",
-                    found.targets.modes[*impossible].name, std::abs(target.difference),
-                    target.omega / base::two_pi));
-  }
+  const auto& best = found.result.best();
+  if (arguments.output.empty())
+    calibration::require_possible_targets(best, found.targets);
+  else
+    write_output(arguments.output, calibration::calibrated_text(machine.file, best, found.targets));
   if (found.interrupted)
     throw base::ComputationError(
         fmt::format("interrupted: the report{} the best so far",

@@ -262,8 +262,8 @@ void add_fit(py::module_& module) {
                              })
       .def_property_readonly("text",
                              [](const Calibrated& c) {
-                               return calibration::calibrated_text(c.machine->file,
-                                                                   c.found.result.best());
+                               return calibration::calibrated_text(
+                                   c.machine->file, c.found.result.best(), c.found.targets);
                              })
       .def_property_readonly("warnings",
                              [](const Calibrated& c) { return texts(c.found.warnings); });

@@ -4,6 +4,7 @@
 
 #include "candidate.hpp"
 #include "hydrapod/base/error.hpp"
+#include "hydrapod/base/units.hpp"
 #include "hydrapod/model/machine_file.hpp"
 
 namespace hydrapod::calibration {
@@ -70,7 +71,29 @@ void verify(const std::string& text, const Candidate& candidate) {
 
 }  // namespace
 
-std::string calibrated_text(const model::MachineFile& file, const Candidate& candidate) {
+void require_possible_targets(const Candidate& candidate, const observation::Targets& targets) {
+  constexpr double many = 100.0;  // standard deviations
+  constexpr double apart = 1.25;  // ratio of the frequencies
+  std::optional<std::size_t> worst;
+  for (std::size_t i = 0; i < candidate.targets.size(); ++i) {
+    const auto& target = candidate.targets[i];
+    const double off = std::abs(std::log(target.omega / targets.modes[i].omega));
+    if (target.outlier || !(std::abs(target.difference) > many) || !(off > std::log(apart)))
+      continue;
+    if (!worst || std::abs(target.difference) > std::abs(candidate.targets[*worst].difference))
+      worst = i;
+  }
+  if (!worst) return;
+  const auto& target = candidate.targets[*worst];
+  throw base::ComputationError(fmt::format(
+      "the machine is not calibrated: target {} is {:.0f} σ from the mode paired with "
+      "it, which has {:.4g} Hz; check the unit of the target and the machine",
+      targets.modes[*worst].name, std::abs(target.difference), target.omega / base::two_pi));
+}
+
+std::string calibrated_text(const model::MachineFile& file, const Candidate& candidate,
+                            const observation::Targets& targets) {
+  require_possible_targets(candidate, targets);
   const auto before = file_with_choices(file, candidate);
   auto edits = model::edits_of_overrides(file.text, before.overrides);
   for (auto& edit : edits) edit.remark = fmt::format("{} chosen", model::last_key(edit.path));

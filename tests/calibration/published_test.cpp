@@ -87,7 +87,7 @@ void expect_bodies_that_cannot_be(const Calibration& calibrated) {
 void expect_a_file_with_comments(const Calibration& calibrated) {
   const Published published;
   const auto& best = calibrated.best();
-  const std::string text = calibrated_text(published.file, best);
+  const std::string text = calibrated_text(published.file, best, published.measured.targets);
   EXPECT_THAT(text, HasSubstr("# The hexapod of Zhang & Jiang"));
   EXPECT_THAT(text, HasSubstr("# kg [guess]; calibrated: mass "));
   EXPECT_THAT(text, HasSubstr("radius = 0.5995, spacing = 0.17"));

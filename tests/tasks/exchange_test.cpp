@@ -38,8 +38,9 @@ struct Exchange {
                                    .starts = 1});
     write_json("calibration.json", "calibration",
                report::calibration_json(calibrated.result, calibrated.targets));
-    base::write_file_whole(path("calibrated.toml"),
-                           calibration::calibrated_text(machine.file, calibrated.result.best()));
+    base::write_file_whole(
+        path("calibrated.toml"),
+        calibration::calibrated_text(machine.file, calibrated.result.best(), calibrated.targets));
   }
 
   static void write_measurement() {

@@ -266,10 +266,17 @@ Profile profile(const model::MachineFile& file, const observation::Targets& targ
                 const Plan& plan, dynamics::ModelKind kind, const Candidate& candidate, int index,
                 const Progress& progress = {});
 
+/// Throws base::ComputationError for a target that no machine near the candidate has: its pair is
+/// another mode, or its unit is wrong. It is more than 100 deviations and a quarter of the
+/// frequency from its mode.
+void require_possible_targets(const Candidate& candidate, const observation::Targets& targets);
+
 /// The machine file of a candidate: the text of `file` with the choices and the values put in, all
-/// its comments kept, every changed value marked with its uncertainty. Throws
-/// base::ComputationError should the result not read as the machine that was fitted.
-std::string calibrated_text(const model::MachineFile& file, const Candidate& candidate);
+/// its comments kept, every changed value marked with its uncertainty. Throws as
+/// require_possible_targets(), and base::ComputationError should the result not read as the machine
+/// that was fitted.
+std::string calibrated_text(const model::MachineFile& file, const Candidate& candidate,
+                            const observation::Targets& targets);
 
 struct TargetsFile {
   observation::Targets targets{};
