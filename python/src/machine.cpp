@@ -47,9 +47,9 @@ void design_frequencies(const Subject& machine, const std::vector<model::Paramet
   for (std::size_t c = 0; c < ids.size(); ++c) assignments.push_back({ids[c], numbers[c]});
   try {
     const auto design = model::with(machine.file.machine, assignments);
-    const auto pose = study::pose_number(machine.file.machine, machine.pose.name);
+    const auto* pose = model::find_pose(design, machine.pose.name);
     const auto model = dynamics::linear_model(
-        design, pose ? design.poses[*pose].X_BP : machine.pose.X_BP, machine.kind);
+        design, pose != nullptr ? pose->X_BP : machine.pose.X_BP, machine.kind);
     const auto found = modal::modes_with_elastomers(design, model);
     for (int m = 0; m < modes; ++m) out[m] = found.omega(m) / base::two_pi;
   } catch (const base::ComputationError&) {
@@ -83,7 +83,7 @@ py::array frequencies(const Subject& machine, const std::vector<std::string>& pa
         [&](std::size_t b) {
           const std::size_t first = b * block, here = std::min(block, count - first);
           study::DesignFrequencies of(machine.file.machine, machine.pose.X_BP, machine.kind, ids,
-                                      study::pose_number(machine.file.machine, machine.pose.name));
+                                      machine.pose.name);
           double* const to = out + first * width;
           of({numbers + first * columns, here * columns}, {to, here * width});
           for (std::size_t k = 0; k < here * width; ++k) to[k] /= base::two_pi;

@@ -9,13 +9,14 @@
 #include "hydrapod/study/study.hpp"
 #include "lane_designs.hpp"
 #include "lane_machine.hpp"
+#include "machine_outputs.hpp"
 
 namespace hydrapod::study {
 
 struct DesignFrequencies::Implementation {
   model::Machine machine;
   spatial::Pose X_BP;
-  std::optional<std::size_t> pose;  ///< that X_BP is
+  std::string pose;  ///< its name
   dynamics::ModelKind kind;
   std::vector<model::Assignment> assignments;
   LaneDesigns designs;
@@ -30,7 +31,7 @@ struct DesignFrequencies::Implementation {
   void assign(const double* numbers) {
     for (auto& assignment : assignments) assignment.value = *numbers++;
     model::assign(machine, assignments);
-    if (pose) X_BP = machine.poses.at(*pose).X_BP;
+    X_BP = pose_now(machine, pose, X_BP);
   }
 
   void put(const dynamics::NormalModes& found, double* omega) const {
@@ -76,12 +77,11 @@ struct DesignFrequencies::Implementation {
 
 DesignFrequencies::DesignFrequencies(const model::Machine& machine, const spatial::Pose& X_BP,
                                      dynamics::ModelKind kind,
-                                     const std::vector<model::ParameterId>& ids,
-                                     std::optional<std::size_t> pose)
+                                     const std::vector<model::ParameterId>& ids, std::string pose)
     : implementation_(
           new Implementation{.machine = machine,
                              .X_BP = X_BP,
-                             .pose = pose,
+                             .pose = std::move(pose),
                              .kind = kind,
                              .assignments = {},
                              .designs = {usable_kernels().front(),

@@ -12,6 +12,7 @@
 #include "hydrapod/modal/normal_modes.hpp"
 #include "hydrapod/simulation/capability.hpp"
 #include "hydrapod/study/study.hpp"
+#include "machine_outputs.hpp"
 
 namespace hydrapod::study {
 
@@ -21,7 +22,6 @@ using dynamics::LinearModel;
 using dynamics::ModelKind;
 using simulation::Ability;
 
-constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 constexpr std::array abilities{Ability::force, Ability::velocity, Ability::acceleration,
                                Ability::jerk, Ability::excursion};
 constexpr std::array<std::array<const char*, 2>, simulation::ability_count> ability_units{
@@ -167,10 +167,8 @@ struct ModesAndDerivatives {
 /// The machine that modes are followed from: with its own numbers, or where these have no modes
 /// with others between the bounds.
 Problem nominal_problem(const DesignProblem& problem, const model::NamedPose& pose, bool buckling) {
-  const MachineOptions options{.kind = problem.kind,
-                               .X_BP = pose.X_BP,
-                               .buckling = buckling,
-                               .pose = pose_number(problem.machine, pose.name)};
+  const MachineOptions options{
+      .kind = problem.kind, .X_BP = pose.X_BP, .buckling = buckling, .pose = pose.name};
   std::string why;
   for (const double share : {-1.0, 1.0, 0.5, 0.75, 0.25, 0.0}) {
     std::vector<double> values;
@@ -209,8 +207,7 @@ std::optional<std::string> why_no_output(const model::Machine& machine, std::str
 struct DesignModel::Parts {
   model::Machine machine{};
   ModelKind kind{};
-  spatial::Pose X_BP{};
-  std::optional<std::size_t> pose{};  ///< number of the machine's pose that it is
+  model::NamedPose pose{};
   std::vector<Input> changes{};
   std::vector<Column> columns{};
   std::vector<int> wanted{};
@@ -223,7 +220,7 @@ struct DesignModel::Parts {
   std::vector<double> raw{};
 
   [[nodiscard]] const spatial::Pose& at(const model::Machine& changed) const {
-    return pose ? changed.poses[*pose].X_BP : X_BP;
+    return pose_now(changed, pose.name, pose.X_BP);
   }
 
   /// The problem's row, put where the design's columns are.
@@ -266,8 +263,7 @@ DesignModel::DesignModel(const DesignProblem& problem, const model::NamedPose& p
   auto& parts = *parts_;
   parts.machine = problem.machine;
   parts.kind = problem.kind;
-  parts.X_BP = pose.X_BP;
-  parts.pose = pose_number(problem.machine, pose.name);
+  parts.pose = pose;
   parts.changes = problem.changes;
   parts.columns = problem.outputs;
   parts.wanted = std::move(wanted);
@@ -321,15 +317,11 @@ double step_of(const Input& change, double value) {
 }  // namespace
 
 ModesAndDerivatives DesignModel::Parts::modes(std::span<const double> values, ModelKind of) const {
-  const auto model_at = [&](std::span<const double> numbers, const auto& make) {
+  const auto nominal = machine_of(machine, changes, values);
+  const auto center = dynamics::linear_model(nominal, at(nominal), of);
+  const auto neighbour = [&](std::span<const double> numbers) {
     const auto changed = machine_of(machine, changes, numbers);
-    return make(changed, at(changed));
-  };
-  const auto center = model_at(values, [&](const auto& changed, const auto& X) {
-    return dynamics::linear_model(changed, X, of);
-  });
-  const auto neighbour = [&](const auto& changed, const auto& X) {
-    return dynamics::neighbour_model(changed, X, center);
+    return dynamics::neighbour_model(changed, at(changed), center);
   };
   ModesAndDerivatives result{.modes = modal::normal_modes(center)};
   std::vector<modal::ModelDerivative> derivatives;
@@ -338,9 +330,9 @@ ModesAndDerivatives DesignModel::Parts::modes(std::span<const double> values, Mo
   for (std::size_t j = 0; j < changes.size(); ++j) {
     const double h = step_of(changes[j], values[j]);
     moved[j] = values[j] + h;
-    const auto above = model_at(moved, neighbour);
+    const auto above = neighbour(moved);
     moved[j] = values[j] - h;
-    const auto below = model_at(moved, neighbour);
+    const auto below = neighbour(moved);
     moved[j] = values[j];
     derivatives.push_back({(above.M - below.M) / (2.0 * h), (above.K - below.K) / (2.0 * h),
                            (above.C - below.C) / (2.0 * h)});

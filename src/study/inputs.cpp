@@ -15,12 +15,6 @@ std::optional<std::size_t> pose_of(const model::ParameterId& id) {
   return static_cast<std::size_t>(id.of - 1);
 }
 
-std::optional<std::size_t> pose_number(const model::Machine& machine, std::string_view name) {
-  const auto* found = model::find_pose(machine, name);
-  if (found == nullptr) return std::nullopt;
-  return static_cast<std::size_t>(found - machine.poses.data());
-}
-
 namespace {
 
 constexpr int digits = 17;  ///< a number is read back bit for bit

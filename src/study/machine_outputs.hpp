@@ -21,6 +21,13 @@ struct Nominal {
   dynamics::ModelMatrix followed_shapes{};  ///< their columns
 };
 
+/// Where a machine stands now: in its pose of that name, if it has one, else at X_BP.
+inline const spatial::Pose& pose_now(const model::Machine& machine, const std::string& name,
+                                     const spatial::Pose& X_BP) {
+  const auto* own = model::find_pose(machine, name);
+  return own == nullptr ? X_BP : own->X_BP;
+}
+
 struct Kept {
   model::Machine machine{};
   std::vector<Input> inputs{};

@@ -96,8 +96,8 @@ class Evaluation {
                  kept_->nominal.followed_shapes) {
     for (const auto& input : kept_->inputs) {
       assignments_.push_back({input.id, 0.0});
-      moves_ = moves_ || kept_->options.poses ||
-               (kept_->options.pose && pose_of(input.id) == kept_->options.pose);
+      const auto pose = kept_->options.poses ? std::nullopt : pose_of(input.id);
+      moves_ = moves_ || (pose && machine_.poses.at(*pose).name == kept_->options.pose);
     }
     bounds_are_enough_ = !kept_->options.poses && !has_error(model::validate(machine_)) &&
                          std::ranges::all_of(assignments_, [&](const auto& assignment) {
@@ -134,7 +134,7 @@ class Evaluation {
  private:
   /// Where the search for equilibrium begins: none for straight legs.
   const dynamics::StaticEquilibrium* start(const dynamics::StaticEquilibrium& nominal) const {
-    return !moves_ && nominal.iterations > 0 ? &nominal : nullptr;
+    return !kept_->options.poses && !moves_ && nominal.iterations > 0 ? &nominal : nullptr;
   }
 
   /// Everything before the model; the pose. None: there is no model, the status is set.
@@ -146,7 +146,7 @@ class Evaluation {
     } else {
       for (std::size_t k = 0; k < inputs.size(); ++k) assignments_[k].value = inputs[k];
       model::assign(machine_, assignments_);
-      if (moves_) X_BP = machine_.poses[*kept_->options.pose].X_BP;
+      if (moves_) X_BP = pose_now(machine_, kept_->options.pose, X_BP);
     }
     const auto refused = refusal(X_BP);
     set(outputs, refused);
@@ -266,7 +266,7 @@ Problem machine_problem(const model::Machine& machine, std::vector<Input> inputs
   kept->machine = machine;
   kept->inputs = inputs;
   kept->options = options;
-  if (options.pose) kept->options.X_BP = machine.poses.at(*options.pose).X_BP;
+  kept->options.X_BP = pose_now(machine, options.pose, options.X_BP);
   kept->nominal = nominal_of(machine, options);
   Problem problem{
       .inputs = std::move(inputs), .outputs = columns_of(*kept), .status = Layout::status};

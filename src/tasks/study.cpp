@@ -244,14 +244,13 @@ StudyJob prepare_study(const Machine& machine, const StudyOptions& options) {
       job.plan.samples *= input.distribution.list.size();
     }
   }
-  job.problem =
-      study::machine_problem(machine.file.machine, std::move(inputs),
-                             {.kind = machine.kind,
-                              .X_BP = machine.pose.X_BP,
-                              .modes = options.modes,
-                              .buckling = options.buckling,
-                              .poses = options.poses,
-                              .pose = study::pose_number(machine.file.machine, machine.pose.name)});
+  job.problem = study::machine_problem(machine.file.machine, std::move(inputs),
+                                       {.kind = machine.kind,
+                                        .X_BP = machine.pose.X_BP,
+                                        .modes = options.modes,
+                                        .buckling = options.buckling,
+                                        .poses = options.poses,
+                                        .pose = machine.pose.name});
   for (const auto& text : options.want)
     job.requirements.push_back(
         study::read_requirement(text, job.problem.outputs, "--want \"" + text + "\""));

@@ -310,18 +310,14 @@ struct MachineOptions {
   /// A mode resonates in a direction when it holds this share of (M⁻¹)_dd, the sum of φ_d² over all
   /// modes: five per cent is a peak that a frequency response shows beside the main one.
   double resonance_share{0.05};
-  int modes{6};     ///< lowest platform modes that are followed
-  bool buckling{};  ///< also the payload at which the legs buckle, milliseconds a sample
-  bool poses{};     ///< inputs are displacements from X_BP, with names x … rz
-  /// Number of the pose of the machine that X_BP is, from 0; numbers of this pose may be inputs.
-  /// None: X_BP is none of them.
-  std::optional<std::size_t> pose{};
+  int modes{6};        ///< lowest platform modes that are followed
+  bool buckling{};     ///< also the payload at which the legs buckle, milliseconds a sample
+  bool poses{};        ///< inputs are displacements from X_BP, with names x … rz
+  std::string pose{};  ///< name of X_BP, if it is one of the machine's poses: X_BP follows inputs
 };
 
 /// Number of the pose that a number of a machine belongs to, from 0; none: it is of no pose.
 std::optional<std::size_t> pose_of(const model::ParameterId& id);
-/// Number of the machine's pose of that name, from 0.
-std::optional<std::size_t> pose_number(const model::Machine& machine, std::string_view name);
 
 /// Lowest platform mode, first resonances, drop, followed modes and pose quality of machines that
 /// differ from `machine` in the inputs. Modes are followed by shape: each mode of the nominal
@@ -330,16 +326,15 @@ std::optional<std::size_t> pose_number(const model::Machine& machine, std::strin
 Problem machine_problem(const model::Machine& machine, std::vector<Input> inputs,
                         const MachineOptions& options);
 
-/// Frequencies of many designs of one machine at one pose, several at a time in SIMD
-/// lanes; for one thread. They are those of modal::modes_with_elastomers() but for rounding (1e-12
-/// of each; 5e-11 under gravity beside nearly rigid sleeves). They do not depend on the designs
-/// beside.
+/// Frequencies of many designs of one machine at one pose, several at a time in SIMD lanes; for one
+/// thread. They are those of modal::modes_with_elastomers() but for rounding (1e-12 of each; 5e-11
+/// under gravity beside nearly rigid sleeves). They do not depend on the designs beside.
 class DesignFrequencies {
  public:
   /// `pose`: as MachineOptions::pose.
   DesignFrequencies(const model::Machine& machine, const spatial::Pose& X_BP,
                     dynamics::ModelKind kind, const std::vector<model::ParameterId>& ids,
-                    std::optional<std::size_t> pose = {});
+                    std::string pose = {});
   DesignFrequencies(DesignFrequencies&&) noexcept;
   ~DesignFrequencies();
 
