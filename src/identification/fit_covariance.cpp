@@ -12,6 +12,9 @@ namespace hydrapod::identification {
 
 namespace {
 
+/// Rounding taken away; what is no number stays none.
+double not_below_zero(double variance) { return variance < 0.0 ? 0.0 : variance; }
+
 /// Variances of what the errors of all lines make of functions of the shared parameters: own ones
 /// are eliminated, output o's by `X`.
 class Propagation {
@@ -52,8 +55,14 @@ class Propagation {
 
   [[nodiscard]] double variance(const Factors& factors) const {
     const MatrixXcd F = changes(factors);
-    if (errors_) return errors_->variance(of_plain_errors(F));
-    const MatrixXcd S = smoothed(F);
+    if (errors_) return not_below_zero(errors_->variance(of_plain_errors(F)));
+    // estimates of what lines have in common can make a sum below 0: then they are worth nothing
+    const double correlated = variance_of(F, smoothed(F));
+    return correlated > 0.0 ? correlated : not_below_zero(variance_of(F, F));
+  }
+
+ private:
+  [[nodiscard]] double variance_of(const MatrixXcd& F, const MatrixXcd& S) const {
     const Index p = system_.inputs(), outputs = system_.outputs();
     double sum = 0.0;
     for (Index o = 0; o < outputs; ++o)
@@ -66,7 +75,6 @@ class Propagation {
     return 0.5 * sum;
   }
 
- private:
   /// The outputs' noise, each to its own deviation: cov(e_o, e_p*), o outputs + p.
   void add_coherence() {
     const Index outputs = system_.outputs();
@@ -263,9 +271,7 @@ void add_deviations(const FitSystem& system, const FrequencyResponses& responses
   const double scale = responses.has_errors() ? std::max(1.0, misfit) : misfit;
   const MatrixXd N_inverse = numerics::inverse_positive(N);
   const Propagation propagation(system, responses, state, X);
-  const auto variance = [&](const VectorXd& v) {
-    return scale * std::max(0.0, propagation.variance(v));
-  };
+  const auto variance = [&](const VectorXd& v) { return scale * propagation.variance(v); };
   std::optional<ShapeErrors> shape_errors;
   if (responses.whole) shape_errors.emplace(system, state, propagation, X, own_inverse, N_inverse);
   const VectorXd sizes = row_sizes(responses);

@@ -327,6 +327,11 @@ bool is_finite(const FittedMode& m) {
          m.shape_deviation.allFinite() && std::isfinite(m.significance);
 }
 
+/// Beside noise, a deviation of exactly 0 is that of a pole that no response depends on.
+bool is_determined(const FittedMode& m, const ModalModel& model) {
+  return !(model.misfit > 0.0) || (m.omega_deviation > 0.0 && m.damping_deviation > 0.0);
+}
+
 }  // namespace
 
 void list_modes(const IdentifyOptions& options, Identification& result) {
@@ -334,6 +339,10 @@ void list_modes(const IdentifyOptions& options, Identification& result) {
     const auto& fit = result.model.modes[r];
     if (!is_finite(fit)) {
       result.left_out.push_back({{}, Objection::not_finite});
+      continue;
+    }
+    if (!is_determined(fit, result.model)) {
+      result.left_out.push_back({fit.pole, Objection::open_frequency});
       continue;
     }
     if (fit.damping_ratio() > options.highest_damping) {

@@ -46,6 +46,25 @@ class Identify : public testing::Test {
   }
 };
 
+/// Of one record with six multisines no response can be told apart from the others. Whatever comes
+/// out has an interval that is not 0.
+TEST_F(Identify, NoIntervalIsZero) {
+  const std::string machine = folder / "machine.toml", run = folder / "multisine.h5",
+                    found = folder / "modes.json";
+  ASSERT_EQ(test::run_hydrapod({"init", machine}).exit_code, 0);
+  const auto rig = test::run_hydrapod(
+      {"rig", machine, "--set", "legs.guide_sleeve.stiffness=300 N/mm", "--excite",
+       "multisine all=0.2 mm, from=1, to=30, period=8.192 s", "--duration", "60", "-o", run});
+  ASSERT_EQ(rig.exit_code, 0) << rig.err;
+  ASSERT_EQ(test::run_hydrapod({"identify", run, "-o", found}).exit_code, 0);
+  const json result = json::parse(test::read_text(found));
+  ASSERT_TRUE(result.contains("modes"));
+  for (const auto& mode : result["modes"]) {
+    EXPECT_GT(mode["frequency_95_hz"].get<double>(), 0.0);
+    EXPECT_GT(mode["damping_95"].get<double>(), 0.0);
+  }
+}
+
 TEST_F(Identify, ARecordGivesItsModes) {
   const auto run = test::run_hydrapod({"identify", write(), "--format", "json"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
