@@ -36,6 +36,10 @@ diagnosis::RemedyGoal remedy_goal(const std::string& text) {
       base::refuse(argument,
                    "a frequency is at least what is wanted (\"x >= 5 Hz\") and a drop at most "
                    "(\"x <= 2 %\")");
+    if (direction == (amount.ends_with('%') ? "lowest" : "drop"))
+      base::refuse(
+          argument,
+          "a drop is wanted in % (\"drop <= 2 %\"), a lowest frequency in Hz (\"lowest >= 5 Hz\")");
     if (!compares || (direction != "lowest" && direction != "drop"))
       goal.direction = static_cast<int>(choose_word(
           argument, direction, {spatial::direction_names.begin(), spatial::direction_names.end()}));

@@ -139,10 +139,9 @@ def sensitivity(machine: Machine, parameters: Texts = ()) -> Sensitivity:
 
 def frequencies(machine: Machine, designs: Mapping[str, Any], *, threads: int = 0,
                 progress: Optional[Progress] = None) -> Any:
-    """Undamped frequencies [Hz] of many designs, (designs, n): NumPy arrays in, an array out, all processors.
+    """Frequencies [Hz] of many designs, (designs, n): NumPy arrays in, an array out, all processors.
 
-    With elastomers, frequencies of the damped modes.
-
+    They are the undamped ones, with elastomers those of the damped modes.
     designs: {PATH: values in SI}; arrays of one length, or numbers that hold for all. A design that does not
     stand at the pose has NaN. Values are not checked for being sensible: check the extremes with with_().
     Arrays are computed in SIMD lanes: as single ones to 1e-12 (gravity 1e-11, nearly rigid sleeves 5e-11).

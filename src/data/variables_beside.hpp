@@ -28,6 +28,11 @@ struct RateVariable {
   bool has_unit{};         ///< stated by the file, else Hz or s is assumed
 };
 
+/// What to do about a number without a unit that is not in `unit`.
+inline std::string state_the_unit(std::string_view unit) {
+  return "write " + std::string(unit) + " into the file, or (HDF5) an attribute \"unit\"";
+}
+
 /// All of them; where some stand beside the arrays `samples`, in their group or structure or on
 /// top, only these. One in a unit that is none of a rate or of a time, as a step of a stage, is
 /// left aside with a note; where a rate is `needed` and there is no other, this fails.

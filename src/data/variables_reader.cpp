@@ -407,11 +407,6 @@ class VariablesReader final : public RecordReader {
         "rate in Hz with --rate");
   }
 
-  /// What to do about a number that is not in `unit`.
-  static std::string state_the_unit(std::string_view unit) {
-    return fmt::format("write {} into the file, or (HDF5) an attribute \"unit\"", unit);
-  }
-
   /// Start and rate, and the grid where samples are missing or times scatter.
   void use_times(const Variable& times, const std::optional<StatedRate>& stated) {
     times_ = static_cast<std::size_t>(&times - all().data());

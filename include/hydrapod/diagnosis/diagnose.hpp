@@ -15,23 +15,15 @@
 /// many numbers as there are values explain any values: a hypothesis with so many is neither
 /// identified nor says how exact the data are. Theory: docs/theory/diagnosis.md.
 ///
-/// First resonances of a machine beside those of the rigid-leg model.
+/// Causes are named changes of the model, each with numbers of its own. To add one, add its Kind and
+/// its maker in src/diagnosis/causes.cpp, and its words in src/report/diagnosis_words.cpp.
 ///
-/// What may be wrong with a machine: named changes of its model, each with numbers of its own.
-///
-/// To add a cause, add its Kind and its maker in src/diagnosis/causes.cpp, and its words in
-/// src/report/diagnosis_words.cpp.
-///
-/// Shares of the compliances in each drop below the rigid-leg model.
-///
-/// Each part is made rigid alone (seals a million times stiffer; gimbals and mount that do not give
+/// Shares of the compliances in each drop below the rigid-leg model. Each part is made rigid alone (seals a million times stiffer; gimbals and mount that do not give
 /// way) and the modes are computed again, gravity and preload included. Shares need not sum to one:
 /// two compliances in one leg do more together than either alone, and one leg alone stiffened
 /// breaks the symmetry.
 ///
-/// How stiff the guide sleeves must be.
-///
-/// The sleeves of all legs are scaled by one factor. Where today's do not meet the goal, the
+/// How stiff the guide sleeves must be. The sleeves of all legs are scaled by one factor. Where today's do not meet the goal, the
 /// smallest factor is wanted from which on everything stiffer meets it at every pose; where they
 /// do, how much softer they might be. It is found downwards from nearly rigid (or today's) sleeves
 /// in steps of a tenth of a decade to the first that is too soft, then by bisection, to 1e-6 of
@@ -396,8 +388,7 @@ struct RemedyPoint {
   std::optional<double> softest{};  ///< as `stiffness`, of the softest leg where legs differ [N/m]
 };
 
-/// Stiffness of the guide sleeves [N/m]: that of the stiffest leg, and where legs differ that of
-/// the softest.
+/// Stiffness of the guide sleeves [N/m] of the stiffest leg, and where legs differ of the softest.
 struct SleeveRange {
   double stiffest{};
   std::optional<double> softest{};

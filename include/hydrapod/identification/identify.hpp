@@ -17,7 +17,7 @@
 /// Responses without errors get assumed ones, from what of them, and then of the residual, is rough
 /// along frequency: so 3 to 6 are the same for responses of records and of files.
 ///
-/// The modal model of frequency responses, and its maximum-likelihood fit.
+/// The modal model of frequency responses, and its maximum-likelihood fit:
 ///
 ///     H(ω) = Σ_r [ φ_r L_rᵀ g(ω, λ_r) + conj. ] + Σ_k C_k s^k,   s = iω, k = −2 … K,
 ///
@@ -314,10 +314,9 @@ struct IdentifiedMode {
   double mpc{};  ///< of the displacement shape
   double mpd{};  ///< [rad]
   /// Share of the residual around its frequency that noise explains: 1/Unexplained::level of the
-  /// worst response there, at most 1 − Unexplained::smooth, and where the misfit of the whole is a
-  /// warning, at most largest_misfit/misfit; 1 where all is noise. Where the excitation is weak, at
-  /// most F by what is needed; where sensors changed, at most the share of those that did not; 0 of
-  /// conjugates.
+  /// worst response there, at most 1 − Unexplained::smooth and, where misfit is a warning, at most
+  /// largest_misfit/misfit; 1 where all is noise. Where the excitation is weak, at most F by what
+  /// is needed; where sensors changed, at most the share of those that did not; 0 of conjugates.
   double explained{1.0};
   /// ζ ω over ζ ω and the deviation of ω between parts of the record; 1: it does not wander, or
   /// that was not asked.
@@ -363,8 +362,7 @@ struct ModeWarning {
                    ///< its damping is higher by `share` than the mean of that of the parts
     short_blocks,  ///< `count` of `total` modes; value: [s] of a block; the sharpest one: `from`
                    ///< its frequency, `to` its half-power bandwidth [Hz]
-    peaks_above,   ///< `count` peaks of the responses, the largest at value [Hz], above the band
-                   ///< `from` … `to` that modes were found in
+    peaks_above,   ///< `count` peaks, the largest at value [Hz], above the band `from` … `to`
     conjugated     ///< modes leave `share` of the responses (RMS), and `value` of their conjugates
   };
   Kind kind{};
@@ -485,8 +483,7 @@ std::vector<Wandering> wandering_modes(std::vector<CrossSpectra> groups,
 struct PartsFinding {
   std::vector<Wandering> wandering{};
   std::optional<data::ResponseWarning> changed{};  ///< sensor_changed
-  /// [s] that the only record had to have for its sensors to be compared; none: they were.
-  std::optional<double> needed_duration{};
+  std::optional<double> needed_duration{};         ///< [s] of a record that sensors are compared in
 };
 
 /// The same with quarters of the records, read once more; and a sensor that changed between records
