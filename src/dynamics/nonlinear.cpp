@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 
+#include "factors_of_six.hpp"
 #include "hydrapod/dynamics/linear_model.hpp"
 #include "hydrapod/hydraulics/servo_axis.hpp"
 #include "leg_equations.hpp"
@@ -156,7 +156,7 @@ class Assembly {
     if (around_.joint_friction)
       for (int k = 0; k < 3; ++k) force[3 + k] += legs.joint_moment[k].sum();
     payload_.eliminate(M, force);
-    const Eigen::LLT<Matrix6> factors(M);  // reads the lower half
+    const FactorsOfSix factors(M);
     const Vector6 acceleration = factors.solve(force);
     store(acceleration, v_rate);
     payload_.accelerations(acceleration, v_rate + 6 + model::leg_count * n);
@@ -192,7 +192,7 @@ class Assembly {
   using JacobianL = Eigen::Matrix<Lanes, 3, 6>;
 
   /// −M⁻¹ Pᵀ: what an acceleration of the base brings against the coordinates, legs eliminated.
-  void respond(const LegEquations<n>& legs, const JacobianL& J, const Eigen::LLT<Matrix6>& factors,
+  void respond(const LegEquations<n>& legs, const JacobianL& J, const FactorsOfSix& factors,
                const BaseMomentum& momentum, BaseResponse& per_base) const {
     per_base.resize(momentum.cols(), 6);
     for (int b = 0; b < 6; ++b) {
