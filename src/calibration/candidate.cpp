@@ -119,8 +119,9 @@ FittedTarget met(const Problem& problem, const State& state, std::size_t i) {
   const auto& point = state.seen[static_cast<std::size_t>(p)];
   const int k = point.mode_of[i];
   const auto& mode = point.seen.modes[static_cast<std::size_t>(k)];
-  FittedTarget fit{.mode = problem.observes_plant() ? nearest_mode(point.seen, mode) : k,
-                   .omega = mode.omega()};
+  FittedTarget fit{.mode = k, .omega = mode.omega()};
+  if (problem.observes_plant())
+    fit.mode = nearest_mode(point.seen.mechanics, modal::normal_modes(point.seen.mechanics), mode);
   const bool damped = problem.observes_plant() ||
                       state.points[static_cast<std::size_t>(p)].damped_mode(k) != nullptr;
   if (target.damping && damped) {
