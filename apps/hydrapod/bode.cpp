@@ -78,7 +78,7 @@ report::BodeOptions options_of(const Arguments& arguments) {
       choose_word("--output", arguments.output, {"displacement", "velocity", "acceleration"}));
   options.from = frequency("--from", arguments.from);
   options.to = frequency("--to", arguments.to);
-  if (!arguments.point.empty()) options.p_PQ = point(arguments.point);
+  if (!arguments.point.empty()) options.p_PQ = point("--point", arguments.point);
   options.points = arguments.points;
   if (options.from && options.to && *options.from >= *options.to)
     base::refuse("--from " + arguments.from, "must be less than --to " + arguments.to);

@@ -76,7 +76,7 @@ tasks::ExportOptions options_of(const Arguments& arguments) {
   options.sampled_controller = arguments.sampled;
   options.inputs = names(arguments.inputs);
   options.outputs = names(arguments.outputs);
-  if (!arguments.point.empty()) options.p_PQ = point(arguments.point);
+  if (!arguments.point.empty()) options.p_PQ = point("--point", arguments.point);
   options.reduced_states = arguments.reduce;
   options.leg_modes = arguments.leg_modes;
   options.approximate = arguments.approximate;

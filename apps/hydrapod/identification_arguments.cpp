@@ -149,7 +149,7 @@ tasks::MeasureOptions measure_options(const MeasurementArguments& a) {
     const auto sensor = rig::parse_accelerometer(text);
     options.sensors.push_back({sensor.name, sensor.p_P, sensor.e_P});
   }
-  if (!a.point.empty()) options.p_PQ = point(a.point);
+  if (!a.point.empty()) options.p_PQ = point("--point", a.point);
   return options;
 }
 
