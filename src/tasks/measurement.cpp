@@ -298,7 +298,7 @@ void test_steadiness(const IdentifyOptions& options, const Progress& progress, I
         found.modes, options.modes, {},
         [&](double) { return stopped = progress && progress(1.0); });
     identification::add_wandering(finding.wandering, found.modes);
-    found.needed_duration = finding.needed_duration;
+    found.modes.needed_duration = finding.needed_duration;
     if (finding.changed) {
       identification::add_changed_sensor(*finding.changed, found.modes);
       add_warnings(options.measure.files.front(), std::vector{*finding.changed}, found.warnings);

@@ -387,6 +387,9 @@ struct Identification {
   /// The responses came without errors; misfit, intervals and `unexplained` use what is rough
   /// along frequency.
   bool errors_assumed{};
+  /// [s] that the only record had to have for its sensors to be tested for a change; none: they
+  /// were, or the kind of record is not tested.
+  std::optional<double> needed_duration{};
   std::vector<ModeWarning> warnings{};
 };
 
