@@ -145,9 +145,9 @@ std::string mechanics_output(const Arguments& arguments, const report::BodeOptio
 void run(const Arguments& arguments) {
   const size_t format = result_format(arguments.format, arguments.file, {"table", "json", "csv"});
   const auto options = options_of(arguments);
-  write_output(arguments.file, arguments.input == "command"
-                                   ? command_output(arguments, options, format)
-                                   : mechanics_output(arguments, options, format));
+  write_result(arguments.file, format,
+               arguments.input == "command" ? command_output(arguments, options, format)
+                                            : mechanics_output(arguments, options, format));
 }
 
 }  // namespace

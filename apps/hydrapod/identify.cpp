@@ -197,7 +197,7 @@ void draw_all(const Arguments& a, const tasks::Identified& found) {
   });
 }
 
-void write_result(const Arguments& a, size_t format, const tasks::Identified& found) {
+void write_modes(const Arguments& a, size_t format, const tasks::Identified& found) {
   const auto& result = found.modes;
   const std::string title = a.measurement.files[0];
   if (format == Format::uff)
@@ -221,7 +221,7 @@ void write_result(const Arguments& a, size_t format, const tasks::Identified& fo
     text = modes_text(found, style);
     if (found.compared) text += comparison_text(*found.compared, result, style);
   }
-  write_output(a.output, text);
+  write_result(a.output, format, text);
 }
 
 void run(const Arguments& a) {
@@ -242,7 +242,7 @@ void run(const Arguments& a) {
     base::refuse("--cross-mac " + a.cross_mac,
                  "there is nothing to compare with: add --machine FILE");
   draw_all(a, found);
-  write_result(a, format, found);
+  write_modes(a, format, found);
 }
 
 }  // namespace

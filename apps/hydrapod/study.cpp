@@ -257,7 +257,7 @@ void report_study(const Arguments& arguments, const tasks::StudyJob& job,
         arguments.output,
         json_text(head_of_model(kind, job.machine),
                   report::study_json(job.problem, job.plan, job.requirements, *done.summary)));
-  write_output(arguments.output,
+  write_result(arguments.output, format,
                fmt::format("{}, pose {}, {} model\n{}{} rows, seed {}\n\n",
                            bold(job.machine.file.machine.name, style), job.machine.pose.name,
                            dynamics::name(job.machine.kind), mechanics_state_line(job.machine.file),
