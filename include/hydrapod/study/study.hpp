@@ -322,6 +322,7 @@ std::optional<std::size_t> pose_of(const model::ParameterId& id);
 /// Lowest platform mode, first resonances, drop, followed modes and pose quality of machines that
 /// differ from `machine` in the inputs. Modes are followed by shape: each mode of the nominal
 /// machine goes to that mode of the sample with the largest MAC, most alike first, one to one.
+/// What this machine does not have, as a drop of rigid legs, is no output; see why_no_output().
 /// Throws base::ComputationError where the nominal machine has no modes.
 Problem machine_problem(const model::Machine& machine, std::vector<Input> inputs,
                         const MachineOptions& options);
@@ -388,9 +389,10 @@ struct DesignProblem {
 /// `outputs`, `requirements` and `aims` of `problem` may still be empty.
 std::vector<Column> design_outputs(const DesignProblem& problem);
 
-/// Why design_outputs() of this machine lack an output that other machines have; none: it has it,
-/// or no machine does.
-std::optional<std::string> why_no_output(const model::Machine& machine, std::string_view name);
+/// Why machine_problem() and design_outputs() of this machine lack an output that other machines
+/// have; none: it has it, or no machine does.
+std::optional<std::string> why_no_output(const model::Machine& machine, dynamics::ModelKind kind,
+                                         std::string_view name);
 
 /// Outputs of a machine at one pose, and their derivatives.
 class DesignModel {
