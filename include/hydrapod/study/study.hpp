@@ -322,7 +322,6 @@ std::optional<std::size_t> pose_of(const model::ParameterId& id);
 /// Lowest platform mode, first resonances, drop, followed modes and pose quality of machines that
 /// differ from `machine` in the inputs. Modes are followed by shape: each mode of the nominal
 /// machine goes to that mode of the sample with the largest MAC, most alike first, one to one.
-/// What this machine does not have, as a drop of rigid legs, is no output; see why_no_output().
 /// Throws base::ComputationError where the nominal machine has no modes.
 Problem machine_problem(const model::Machine& machine, std::vector<Input> inputs,
                         const MachineOptions& options);
