@@ -60,10 +60,22 @@ void refuse_idle_options(const Arguments& arguments, tasks::ExportFormat format)
     base::refuse("--sampled", "has the sample time of the controller; leave --sample-time out");
 }
 
+tasks::ExportFormat format_of(const Arguments& arguments) {
+  return static_cast<tasks::ExportFormat>(choose_word(
+      "--to", arguments.to, {tasks::export_formats.begin(), tasks::export_formats.end()}));
+}
+
+std::vector<NamedFile> files_of(const Arguments& arguments) {
+  std::vector<NamedFile> files;
+  if (arguments.output == "-") return files;
+  for (const auto& file : tasks::export_files(format_of(arguments), arguments.output))
+    files.push_back({"-o", file});
+  return files;
+}
+
 tasks::ExportOptions options_of(const Arguments& arguments) {
   tasks::ExportOptions options;
-  options.format = static_cast<tasks::ExportFormat>(choose_word(
-      "--to", arguments.to, {tasks::export_formats.begin(), tasks::export_formats.end()}));
+  options.format = format_of(arguments);
   options.path = arguments.output;
   refuse_idle_options(arguments, options.format);
   if (!arguments.system.empty())
@@ -76,7 +88,7 @@ tasks::ExportOptions options_of(const Arguments& arguments) {
   options.sampled_controller = arguments.sampled;
   options.inputs = names(arguments.inputs);
   options.outputs = names(arguments.outputs);
-  if (!arguments.point.empty()) options.p_PQ = point(arguments.point);
+  if (!arguments.point.empty()) options.p_PQ = point("--point", arguments.point);
   options.reduced_states = arguments.reduce;
   options.leg_modes = arguments.leg_modes;
   options.approximate = arguments.approximate;
@@ -86,10 +98,6 @@ tasks::ExportOptions options_of(const Arguments& arguments) {
 void run(const Arguments& arguments) {
   auto options = options_of(arguments);
   if (options.path == "-") base::refuse("-o -", "an export is a file; give it a name");
-  std::vector<NamedFile> files;
-  for (const auto& file : tasks::export_files(options.format, options.path))
-    files.push_back({"-o", file});
-  check_outputs({{"FILE", arguments.machine.file}}, files, false);
   const auto machine = load(arguments.machine);
   options.json_head = head_of_model("state_space", machine);
   const auto exported = tasks::export_machine(machine, options);
@@ -141,10 +149,8 @@ void add_export(Command app) {
         "Modes of the legs that a superelement keeps; default: all", range(-1, 1000)},
        {"--approximate", arguments.approximate,
         "Write also what the format cannot hold in full; the report lists it"},
-       {"-o,--output",
-        arguments.output,
-        "File to write",
-        {.required = true, .file = FileUse::output}}});
+       {"-o,--output", arguments.output, "File to write", required}});
+  command.also_writes([&arguments] { return files_of(arguments); });
 }
 
 }  // namespace hydrapod::cli

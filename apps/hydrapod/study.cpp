@@ -198,7 +198,10 @@ void plot_map(const tasks::StudyJob& job, const std::string& value, const std::s
   if (job.problem.inputs.size() != 2 || job.plan.design != study::Design::grid)
     base::refuse("--plot " + path, "a heat map needs a grid over exactly two inputs");
   const auto found = std::ranges::find(job.problem.outputs, value, &study::Column::name);
-  if (found == job.problem.outputs.end()) base::refuse("--value " + value, "unknown output");
+  if (found == job.problem.outputs.end()) {
+    const auto why = study::why_no_output(job.machine.file.machine, job.machine.kind, value);
+    base::refuse("--value " + value, why.value_or("unknown output"));
+  }
   const auto output = static_cast<std::size_t>(found - job.problem.outputs.begin());
   const auto axis = [&](std::size_t k, std::vector<double>& values) {
     const auto& input = job.problem.inputs[k];
@@ -252,17 +255,20 @@ void report_study(const Arguments& arguments, const tasks::StudyJob& job,
   if (!arguments.worst.empty()) write_worst(job, *done.summary, arguments.worst);
   draw(arguments.plot, [&](const auto& path) { plot_map(job, arguments.value, path); });
   const auto style = table_style(arguments.output);
+  const auto no_drop = study::why_no_output(job.machine.file.machine, job.machine.kind, "drop");
   if (format == 1)
     return write_output(
         arguments.output,
         json_text(head_of_model(kind, job.machine),
                   report::study_json(job.problem, job.plan, job.requirements, *done.summary)));
-  write_output(arguments.output,
+  write_result(arguments.output, format,
                fmt::format("{}, pose {}, {} model\n{}{} rows, seed {}\n\n",
                            bold(job.machine.file.machine.name, style), job.machine.pose.name,
                            dynamics::name(job.machine.kind), mechanics_state_line(job.machine.file),
                            done.summary->rows, job.plan.seed) +
-                   summary_text(job, *done.summary, style) + "\n" + worst_text(job, *done.summary));
+                   summary_text(job, *done.summary, style) +
+                   (no_drop ? fmt::format("\nLeft out: drop {}.\n", *no_drop) : "") + "\n" +
+                   worst_text(job, *done.summary));
 }
 
 /// What stands in a study file counts where the command line says nothing: so it is read here.

@@ -105,7 +105,8 @@ std::string sdf_text(const Machine& machine, const Mechanism& all) {
   double radius = 0.0;
   for (const auto& leg : machine.legs) radius = std::max(radius, leg.platform_joint.norm());
   std::string out = fmt::format(
-      "<?xml version='1.0'?>\n<sdf version='1.9'>\n<world name='world_of_{0}'>\n"
+      "<?xml version='1.0'?>\n<!-- hydrapod export -->\n<sdf version='1.9'>\n<world "
+      "name='world_of_{0}'>\n"
       "<gravity>{1}</gravity>\n<model name='hexapod'>\n<link name='platform'>\n{2}{3}"
       "<visual name='plate'><pose>0 0 {4:.6g} 0 0 0</pose><geometry><cylinder><radius>{5:.6g}"
       "</radius><length>{6:.6g}</length></cylinder></geometry></visual>\n</link>\n",

@@ -98,7 +98,7 @@ std::string urdf_leg(const Machine& machine, const Mechanism& all, std::size_t i
 std::string urdf_text(const Machine& machine, const Mechanism& all) {
   double radius = 0.0;
   for (const auto& leg : machine.legs) radius = std::max(radius, leg.platform_joint.norm());
-  std::string out = "<?xml version=\"1.0\"?>\n<robot name=\"hexapod\">\n";
+  std::string out = "<?xml version=\"1.0\"?>\n<!-- hydrapod export -->\n<robot name=\"hexapod\">\n";
   out += urdf_link("base", "");
   out += urdf_link("platform", urdf_inertial(machine.platform.mass, machine.platform.mass_center,
                                              machine.platform.inertia) +

@@ -177,6 +177,7 @@ void describe(Fields& f, identification::Identification& result) {
   f.maybe("fit_error", result.model.error);
   f.maybe("misfit", result.model.misfit);
   f.unless(false, "errors_assumed", result.errors_assumed);
+  f.optional("needed_duration_s", result.needed_duration);
   f.maybe("unexplained", result.unexplained);
   std::vector<AnyWarning> findings;
   for (const auto& warning : result.responses.warnings) findings.push_back({warning});

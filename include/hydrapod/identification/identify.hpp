@@ -388,9 +388,9 @@ struct Identification {
   double from{}, to{};  ///< [Hz]
   /// Where the residual is more than noise, worst first: intervals of modes there are too narrow.
   std::vector<Unexplained> unexplained{};
-  /// The responses came without errors; misfit, intervals and `unexplained` use what is rough
-  /// along frequency.
+  /// No errors came with the responses: those that are used are what is rough along frequency.
   bool errors_assumed{};
+  std::optional<double> needed_duration{};  ///< [s]; there where sensors could not be tested
   std::vector<ModeWarning> warnings{};
 };
 
