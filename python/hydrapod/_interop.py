@@ -7,8 +7,8 @@ from typing import Any, Dict, List, Tuple
 import numpy as np
 
 from ._core import Bode, Frf, MachineStateSpace, Modes, System
+from ._plant import LinearPlant
 from ._records import Record
-from ._tasks import LinearPlant
 
 _inputs = {"command": "B_command", "valve": "B_valve", "wrench": "B_wrench"}
 
