@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import os
 from typing import Any, Iterator, List, Mapping, Optional, Tuple, Union
 
-from . import _core
+import numpy as np
+
+from . import _checks, _core
 
 Quantity = Union[float, int, str]
 Value = Union[Quantity, bool, List[Any], Tuple[Any, ...]]
@@ -15,15 +18,32 @@ def _toml(value: Value) -> str:
     """`value` as an override has it."""
     if isinstance(value, str):
         return value
-    if isinstance(value, bool):
+    if isinstance(value, (bool, np.bool_)):
         return "true" if value else "false"
     if isinstance(value, (list, tuple)) or hasattr(value, "tolist") and not hasattr(value, "__float__"):
         items = value if isinstance(value, (list, tuple)) else value.tolist()
-        return "[" + ", ".join(f'"{v}"' if isinstance(v, str) else _toml(v) for v in items) + "]"
+        texts = [json.dumps(v, ensure_ascii=False) if isinstance(v, str) else _toml(v) for v in items]
+        return f"[{', '.join(texts)}]"
     try:
         return repr(float(value))
     except (TypeError, ValueError):
         raise TypeError(f"expected a number, a text with a unit or a list of these, got {value!r}") from None
+
+
+def _pose(pose: Any) -> str:
+    if not isinstance(pose, str):
+        raise TypeError(f"pose: expected a pose of the file or displacements as a text, such as \"z=50 mm, ry=5 deg\", "
+                        f"got {pose!r}")
+    return _utf8(pose, "pose")
+
+
+def _utf8(text: Any, name: str) -> str:
+    """A text that can be written; names of files with bytes of no known encoding cannot."""
+    try:
+        _checks.word(text, name).encode()
+    except UnicodeEncodeError:
+        raise ValueError(f"{name}: {text!r} is no text in UTF-8") from None
+    return str(text)
 
 
 class Parameters:
@@ -39,6 +59,14 @@ class Parameters:
         if name.startswith("__"):
             raise AttributeError(name)
         return self._machine._at(f"{self._path}.{name}")
+
+    def __setattr__(self, name: str, value: object) -> None:
+        if name in self.__slots__:
+            object.__setattr__(self, name, value)
+            return
+        path = f"{self._path}.{name}"
+        raise AttributeError(f"a machine does not change; use machine.with_({{\"{path}\": {value!r}}}), "
+                             "which gives another one")
 
     def __getitem__(self, key: Union[int, str]) -> Any:
         """An element of an array, counted from 0, or a key: machine.leg["3"]."""
@@ -77,7 +105,11 @@ class Machine:
                  pose: str = "neutral", model: Optional[str] = None):
         """From the text of a machine file; `path`: what messages call it. See read_machine()."""
         lines = [f"{key}={_toml(value)}" for key, value in overrides.items()]
-        self._set(_core.read_machine(path, text, lines, pose, model), pose, model)
+        self._read(path, _checks.word(text, "text"), lines, pose, model)
+
+    def _read(self, path: str, text: Optional[str], overrides: List[str], pose: str, model: Optional[str]) -> None:
+        pose, model = _pose(pose), None if model is None else _checks.word(model, "model")
+        self._set(_core.read_machine(_utf8(path, "path"), text, overrides, pose, model), pose, model)
 
     def _set(self, core: _core.Machine, pose: str, model: Optional[str]) -> None:
         object.__setattr__(self, "_core_machine", core)
@@ -88,7 +120,7 @@ class Machine:
     def _made(cls, path: str, text: Optional[str], overrides: List[str], pose: str,
               model: Optional[str]) -> "Machine":
         machine = cls.__new__(cls)
-        machine._set(_core.read_machine(path, text, overrides, pose, model), pose, model)
+        machine._read(path, text, overrides, pose, model)
         return machine
 
     @classmethod

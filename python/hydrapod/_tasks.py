@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import numbers
 import os
 import tempfile
 from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
-from . import _core, _show
+from . import _checks, _core, _show
 from ._core import (
     Bode,
     Calibrated,
@@ -26,12 +27,13 @@ from ._core import (
     Simulation,
     System,
 )
+from ._checks import Texts
 from ._errors import ComputationError
 from ._machine import Machine, Quantity, _toml
+from ._progress import all_or_none
 from ._records import Measured, Path, Record, files_of
 
 Progress = Callable[[float], Optional[bool]]
-Texts = Union[str, Sequence[str]]
 
 _show.attach()
 
@@ -42,12 +44,12 @@ def _core_of(machine: Machine) -> _core.Machine:
     return machine._core_machine
 
 
-def _list(texts: Texts) -> List[str]:
-    return [texts] if isinstance(texts, str) else [str(text) for text in texts]
-
-
-def _options(**options: Any) -> Dict[str, Any]:
-    return {key: value for key, value in options.items() if value is not None}
+def _point(given: Any) -> List[Quantity]:
+    """Three lengths."""
+    items = [] if isinstance(given, str) else list(given) if hasattr(given, "__len__") else []
+    if len(items) != 3:
+        raise ValueError(f"point: expected three lengths, such as (0, 0, \"250 mm\"), got {given!r}")
+    return items
 
 
 # --- the machine near rest ------------------------------------------------------------------------
@@ -68,7 +70,7 @@ def modes(machine: Machine, *, matrices: bool = False) -> Modes:
         answer               lowest mode the platform feels, in one sentence
     Raises ComputationError where the machine does not stand at this pose.
     """
-    return _core.modes(_core_of(machine), matrices)
+    return _core.modes(_core_of(machine), _checks.flag(matrices, "matrices"))
 
 
 def modes_at_poses(machine: Machine, poses: Texts) -> ModesAtPoses:
@@ -78,7 +80,7 @@ def modes_at_poses(machine: Machine, poses: Texts) -> ModesAtPoses:
     p poses: frequency_hz (m, p), NaN where there is no such mode; mac (m, p) with the mode at the pose before;
     numbers (m, p), counted from 0, -1 for none; labels, poses.
     """
-    return _core.modes_at_poses(_core_of(machine), _list(poses))
+    return _core.modes_at_poses(_core_of(machine), _checks.words(poses, "poses"))
 
 
 def system(machine: Machine, *, closed: bool = True, pade_order: int = 2) -> System:
@@ -90,7 +92,7 @@ def system(machine: Machine, *, closed: bool = True, pade_order: int = 2) -> Sys
     matrix of the sampled loop), poles [1/s] (least damped in time first, one of each pair), damping_ratio,
     participation, stable (of the sampled loop), verdict, delay [s], sample_time [s].
     """
-    return _core.system(_core_of(machine), closed, pade_order)
+    return _core.system(_core_of(machine), _checks.flag(closed, "closed"), _checks.whole(pade_order, "pade_order"))
 
 
 def root_locus(machine: Machine, key: str, start: float, stop: float, count: int = 11, *, closed: bool = True,
@@ -99,7 +101,11 @@ def root_locus(machine: Machine, key: str, start: float, stop: float, count: int
 
     Result: key, values, poles (a list of arrays), limits (values at which stability changes).
     """
-    return _core.root_locus(_core_of(machine), key, start, stop, count, closed, pade_order, progress)
+    with all_or_none(progress) as told:
+        return _core.root_locus(
+            _core_of(machine), _checks.word(key, "key"), _checks.number(start, "start"), _checks.number(stop, "stop"),
+            _checks.whole(count, "count"), _checks.flag(closed, "closed"), _checks.whole(pade_order, "pade_order"),
+            told)
 
 
 def bode(machine: Machine, *, input: str = "wrench", output: str = "displacement",
@@ -114,8 +120,8 @@ def bode(machine: Machine, *, input: str = "wrench", output: str = "displacement
 
     Result: frequency_hz, omega (points,), H and H_rigid (points, 6, 6): H[k, out, in], complex.
     """
-    result: Union[Bode, CommandResponse] = _core.bode(_core_of(machine), {"from": from_, **_options(
-        input=input, output=output, to=to, points=points, point=None if point is None else list(point))})
+    result: Union[Bode, CommandResponse] = _core.bode(_core_of(machine), {"from": from_, **_checks.options(
+        input=input, output=output, to=to, points=points, point=None if point is None else _point(point))})
     return result
 
 
@@ -126,7 +132,7 @@ def check(machine: Machine, *, all_poses: bool = True) -> Check:
     axial_force [N, + compression], oil_stiffness [N/m], tilt [rad] (p, 6), buckling_payload [kg] (p,), NaN
     where there is none.
     """
-    return _core.check(_core_of(machine), all_poses)
+    return _core.check(_core_of(machine), _checks.flag(all_poses, "all_poses"))
 
 
 def sensitivity(machine: Machine, parameters: Texts = ()) -> Sensitivity:
@@ -134,7 +140,7 @@ def sensitivity(machine: Machine, parameters: Texts = ()) -> Sensitivity:
 
     parameters: paths; default: all that matter. Result: parameters, omega (n,), percent_per_percent (n, p).
     """
-    return _core.sensitivity(_core_of(machine), _list(parameters))
+    return _core.sensitivity(_core_of(machine), _checks.words(parameters, "parameters"))
 
 
 def frequencies(machine: Machine, designs: Mapping[str, Any], *, threads: int = 0,
@@ -152,11 +158,14 @@ def frequencies(machine: Machine, designs: Mapping[str, Any], *, threads: int = 
     one = _core.one_design(core, designs) if type(designs) is dict else None  # one design of floats, quickly
     if one is not None:
         return one
-    columns = np.broadcast_arrays(*(np.asarray(values, dtype=float) for values in designs.values()))
+    if not isinstance(designs, Mapping):
+        raise TypeError(f"designs: expected {{PATH: values}}, got {designs!r}")
+    columns = np.broadcast_arrays(*(_checks.real_array(values, path) for path, values in designs.items()))
     if columns[0].ndim > 1:
         raise ValueError("designs: expected numbers or arrays of one dimension")
     table = np.ascontiguousarray(np.stack([np.atleast_1d(column) for column in columns], axis=1))
-    return _core.frequencies(core, list(designs), table, threads, progress)
+    return _core.frequencies(core, _checks.words(designs, "designs"), table, _checks.whole(threads, "threads"),
+                             progress)
 
 
 # --- over time ------------------------------------------------------------------------------------
@@ -182,8 +191,9 @@ def simulate(machine: Machine, commands: Texts = (), *, wrench: Texts = (), init
     rod_pressure [Pa] (N, 6), rms_error, peak_error (6,), record, warnings. Of electric cylinders nut [m],
     motor_speed [rad/s], torque [N m] (N, 6), and no pressures.
     """
-    return _core.simulate(_core_of(machine), _options(
-        commands=_list(commands), wrench=_list(wrench), initial=initial, actuators=actuators, until=until,
+    return _core.simulate(_core_of(machine), _checks.options(
+        commands=_checks.words(commands, "commands"), wrench=_checks.words(wrench, "wrench"), initial=initial,
+        actuators=actuators, until=until,
         integrator=integrator, tolerance=tolerance, step=step, seed=seed, ideal_sensors=ideal_sensors,
         output_interval=output_interval, trace_samples=trace_samples,
         record=None if record is None else os.fspath(record)), progress)
@@ -213,10 +223,12 @@ def rig(machine: Machine, record: Optional[Path] = None, *, excite: Texts = (), 
     white noise. entry: command, drive or wrench. Raises InputError for levels that do not fit, unless
     above_limits. Keys: hydrapod rig --help.
     """
-    return RigRun(**_core.rig(_core_of(machine), _options(
-        record=None if record is None else os.fspath(record), excite=_list(excite), entry=entry,
+    return RigRun(**_core.rig(_core_of(machine), _checks.options(
+        record=None if record is None else os.fspath(record), excite=_checks.words(excite, "excite"), entry=entry,
         duration=duration, averages=averages, settling=settling, rate=rate, oversampling=oversampling,
-        seed=seed, repeat=repeat, accelerometers=accelerometers, length_sensor=length_sensor,
+        seed=seed, repeat=repeat,
+        accelerometers=None if accelerometers is None else _checks.words(accelerometers, "accelerometers"),
+        length_sensor=length_sensor,
         pressure_sensor=pressure_sensor, current_sensor=current_sensor, torque_sensor=torque_sensor,
         speed_sensor=speed_sensor, drop_outs=drop_outs, anti_alias=anti_alias, above_limits=above_limits), progress))
 
@@ -231,10 +243,10 @@ def _measure_options(machine: Union[Machine, Path, None], options: Dict[str, Any
         options["machine_file"] = os.fspath(machine)
     for name in ("inputs", "outputs", "instruments", "sensors"):
         if options.get(name) is not None:
-            options[name] = _list(options[name])
+            options[name] = _checks.words(options[name], name)
     if options.get("point") is not None:
-        options["point"] = list(options["point"])
-    return _options(**options)
+        options["point"] = _point(options["point"])
+    return _checks.options(**options)
 
 
 def frf(measured: Measured, *, machine: Union[Machine, Path, None] = None, pose: Optional[str] = None,
@@ -255,12 +267,12 @@ def frf(measured: Measured, *, machine: Union[Machine, Path, None] = None, pose:
     Result, L lines: frequency_hz (L,), H and deviation (L, outputs, inputs), coherence, inputs, outputs,
     warnings.
     """
-    with files_of(measured) as files:
+    with files_of(measured) as files, all_or_none(progress) as told:
         return _core.frf(_measure_options(machine, dict(
             files=files, pose=pose, model=model, inputs=inputs, outputs=outputs, instruments=instruments,
             input_from=input_from, estimator=estimator, window=window, block=block, overlap=overlap,
             period=period, settling=settling, rate=rate, exponential_window=exponential_window,
-            accelerometers=accelerometers, sensors=sensors, point=point)), progress)
+            accelerometers=accelerometers, sensors=sensors, point=point)), told)
 
 
 def identify(measured: Measured, *, machine: Union[Machine, Path, None] = None, pose: Optional[str] = None,
@@ -283,41 +295,77 @@ def identify(measured: Measured, *, machine: Union[Machine, Path, None] = None, 
     L lines: line_frequency_hz (L,), H and deviation (measured), H_modes (of the modes) (L, outputs, inputs),
     mode_indicator: singular values of H (L, k). With 95 % probability H is off by less than radius_95 deviations.
     """
-    with files_of(measured) as files:
+    with files_of(measured) as files, all_or_none(progress) as told:
         return _core.identify(_measure_options(machine, {"from": from_, **dict(
             files=files, pose=pose, model=model, to=to, order=order, highest_damping=highest_damping,
             against=against, bootstrap=bootstrap, output_only=output_only, inputs=inputs, outputs=outputs,
             instruments=instruments, input_from=input_from, estimator=estimator, window=window, block=block,
             overlap=overlap, period=period, settling=settling, rate=rate,
             exponential_window=exponential_window, accelerometers=accelerometers, sensors=sensors,
-            point=point)}), progress)
+            point=point)}), told)
 
 
-def calibrate(machine: Machine, targets: Path, free: Union[Mapping[str, Any], Texts] = (), *,
+def calibrate(machine: Machine, targets: Union[Path, Record, Identified], free: Union[Mapping[str, Any], Texts] = (), *,
               priors: Optional[Mapping[str, Tuple[Quantity, Quantity]]] = None, alternatives: Texts = (),
               profiles: Texts = (), loss: Optional[str] = None, starts: Optional[int] = None,
               seed: Optional[int] = None, threads: int = 0, progress: Optional[Progress] = None) -> Calibrated:
     """Fits numbers of the file to measured modes.
 
-    targets: TOML, CSV, or what identify writes. free: paths, or {PATH: (lowest, highest) or None}; "a, b" ties
-    two. priors: {PATH: (value, spread)}. alternatives: overrides to be tried, "PATH=VALUE".
+    targets: an Identified, or a file: TOML, CSV, or what identify writes. free: paths, or
+    {PATH: (lowest, highest) or None}; "a, b" ties two. priors: {PATH: (value, spread)}.
+    alternatives: overrides to be tried, "PATH=VALUE".
 
     Result of the best combination: parameters, units, values, deviations, verdicts, misfit, remarks,
     interrupted; text: the calibrated machine file, with its comments.
     """
-    return _core.calibrate(_core_of(machine), _options(
-        targets=os.fspath(targets), free=dict(free) if isinstance(free, Mapping) else _list(free),
-        priors=None if priors is None else {key: list(pair) for key, pair in priors.items()},
-        alternatives=_list(alternatives), profiles=_list(profiles), loss=loss, starts=starts, seed=seed,
-        threads=threads), progress)
+    with files_of(targets) as files:
+        return _core.calibrate(_core_of(machine), _checks.options(
+            targets=_only(files, "targets"), free=_bounds(free),
+            priors=None if priors is None else {
+                path: _pair(pair, f"priors of {path}", "(value, spread)") for path, pair in priors.items()},
+            alternatives=_checks.words(alternatives, "alternatives"), profiles=_checks.words(profiles, "profiles"),
+            loss=loss, starts=starts, seed=seed, threads=threads), progress)
 
 
-def compare(*things: Union[Machine, Record, Path], overrides: Mapping[str, Any] = {}, poses: Texts = (),
+def _only(files: List[str], name: str) -> str:
+    if len(files) != 1:
+        raise TypeError(f"{name}: expected one file or result, got {len(files)}")
+    return files[0]
+
+
+def _pair(given: Any, name: str, what: str) -> List[Quantity]:
+    """Two quantities; numbers become floats."""
+    items = [] if isinstance(given, str) else list(given) if hasattr(given, "__len__") else []
+    if len(items) != 2:
+        raise ValueError(f"{name}: expected a pair {what}, got {given!r}")
+    return [item if isinstance(item, str) else _checks.number(item, name) for item in items]
+
+
+def _bounds(free: Union[Mapping[str, Any], Texts]) -> Union[Dict[str, Any], List[str]]:
+    if not isinstance(free, Mapping):
+        return _checks.words(free, "free")
+    return {path: None if pair is None else _pair(pair, f"free: bounds of {path}", "(lowest, highest)")
+            for path, pair in free.items()}
+
+
+def _is_file(machine: Machine) -> bool:
+    """Whether the file at the machine's path is this machine."""
+    if machine.overrides or "@" in machine.path:
+        return False
+    try:
+        with open(machine.path, encoding="utf-8", newline="") as file:
+            return file.read() == machine.text
+    except (OSError, UnicodeError):
+        return False
+
+
+def compare(*things: Union[Machine, Record, Identified, Frf, Path], overrides: Mapping[str, Any] = {}, poses: Texts = (),
             model: Optional[str] = None, against: str = "auto", level: Quantity = 0.05,
             progress: Optional[Progress] = None) -> Compared:
     """Machines, poses, records and identified modes side by side, the first with each other one.
 
-    things: Machine and Record objects, or files (machine.toml@low, modes.json, run.h5). overrides: for every
+    things: Machine and Record objects, results of identify() and frf(), or files (machine.toml@low, modes.json,
+    run.h5); a machine that is no file is called by the path of a temporary one. overrides: for every
     machine file; of one machine alone: it is compared with the changed one. poses: of one machine alone, two or
     more. level: of all tests of one comparison together.
 
@@ -329,7 +377,7 @@ def compare(*things: Union[Machine, Record, Path], overrides: Mapping[str, Any] 
     if model is None and machines:
         model = machines[0].model
     with tempfile.TemporaryDirectory(prefix="hydrapod-") as folder:
-        given: List[Union[Path, Record]] = []
+        given: List[Any] = []
         for number, thing in enumerate(things):
             if not isinstance(thing, Machine):
                 given.append(thing)
@@ -337,12 +385,14 @@ def compare(*things: Union[Machine, Record, Path], overrides: Mapping[str, Any] 
             if model is not None and thing.model != model:
                 raise ValueError(f"model: thing {number + 1} is a machine with the model {thing.model}, not "
                                  f"{model}; one model holds for all")
-            path = os.path.join(folder, f"machine-{number + 1}.toml")
-            thing.write(path)
+            path = thing.path if _is_file(thing) else os.path.join(folder, f"machine-{number + 1}.toml")
+            if path != thing.path:
+                thing.write(path)
             given.append(path if thing.pose == "neutral" else f"{path}@{thing.pose}")
-        with files_of(given) as files:
-            return _core.compare(_options(files=files, overrides=lines, poses=_list(poses), model=model,
-                                          against=against, level=level), progress)
+        with files_of(given) as files, all_or_none(progress) as told:
+            return _core.compare(_checks.options(
+                files=files, overrides=lines, poses=_checks.words(poses, "poses"), model=model, against=against,
+                level=level), told)
 
 
 def _diagnosis(files: List[str], options: Dict[str, Any]) -> Dict[str, Any]:
@@ -352,10 +402,10 @@ def _diagnosis(files: List[str], options: Dict[str, Any]) -> Dict[str, Any]:
         direction, want = (part.strip() for part in want.split("=", 1))
     if isinstance(want, str) and want.strip().startswith("drop"):
         want = want.strip()[4:].strip()
-    is_drop = want is None or isinstance(want, (int, float)) and want < 1 or isinstance(want, str) and \
+    is_drop = want is None or isinstance(want, numbers.Real) and want < 1 or isinstance(want, str) and \
         want.endswith("%")
-    return _options(measured=files, want_direction=direction, want_drop=want if is_drop else None,
-                    want_frequency=None if is_drop else want, **options)
+    return _checks.options(measured=files, want_direction=direction, want_drop=want if is_drop else None,
+                           want_frequency=None if is_drop else want, **options)
 
 
 def diagnose(machine: Machine, measured: Measured = (), *, against: str = "auto",
@@ -369,33 +419,37 @@ def diagnose(machine: Machine, measured: Measured = (), *, against: str = "auto"
 
     Result: summary (sentences), finding, hypotheses (best first), bic, warnings; the rest in to_dict().
     """
-    with files_of(measured) as files:
+    with files_of(measured) as files, all_or_none(progress, parts=True) as told:
         return _core.diagnose(_core_of(machine), _diagnosis(files, dict(
             want=want, against=against,
-            poses=poses if poses is None or poses == "workspace" else _list(poses), model_error=model_error,
+            poses=poses if poses is None or isinstance(poses, str) and poses == "workspace" else
+            _checks.words(poses, "poses"), model_error=model_error,
             shape_error=shape_error, response_error=response_error, modes_only=modes_only, damping=damping,
-            threads=threads)), progress)
+            threads=threads)), told)
 
 
 def report(machine: Machine, path: Optional[Path] = None, *, poses: Texts = (), title: str = "",
            theme: str = "auto", modes: Sequence[int] = (), points: int = 600,
            commands: Optional[Texts] = None, until: Optional[Quantity] = None, samples: int = 1500,
            measured: Optional[Measured] = None, diagnose: Optional[Measured] = None,
-           compare: Optional[Path] = None, progress: Optional[Progress] = None) -> Report:
+           compare: Union[Path, Compared, None] = None, progress: Optional[Progress] = None) -> Report:
     """One HTML page with moving modes, Bode diagrams and all numbers; written to `path` if given.
 
     commands: also simulate; samples: of each quantity of that run. measured: also identify this record.
-    diagnose: also diagnose from this. compare: also show this JSON of `hydrapod compare`. In a notebook the
+    diagnose: also diagnose from this. compare: also show this comparison, a Compared or the
+    JSON of `hydrapod compare`. In a notebook the
     result shows the page in a frame. Result: html, write(path), to_dict().
     """
     with files_of(() if measured is None else measured) as records, \
-            files_of(() if diagnose is None else diagnose) as causes:
-        result = _core.report(_core_of(machine), _options(
-            poses=_list(poses), title=title, theme=theme, modes=list(modes), points=points,
-            commands=None if commands is None else _list(commands), until=until, samples=samples,
-            comparison=None if compare is None else os.fspath(compare),
+            files_of(() if diagnose is None else diagnose) as causes, \
+            files_of(() if compare is None else compare) as comparison, all_or_none(progress) as told:
+        result = _core.report(_core_of(machine), _checks.options(
+            poses=_checks.words(poses, "poses"), title=title, theme=theme,
+            modes=[_checks.whole(mode, "modes") for mode in modes], points=points,
+            commands=None if commands is None else _checks.words(commands, "commands"), until=until, samples=samples,
+            comparison=_only(comparison, "compare") if comparison else None,
             identification={"files": records} if records else None,
-            diagnosis=_diagnosis(causes, {}) if causes else None), progress)
+            diagnosis=_diagnosis(causes, {}) if causes else None), told)
     if path is not None:
         result.write(os.fspath(path))
     return result

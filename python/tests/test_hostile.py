@@ -302,3 +302,30 @@ def test_no_leak(heavy):
     before = many(1)
     after = many(200)  # 200 responses of 200 lines and two models: 46 MB if they stayed
     assert after - before < 10_000
+
+
+def stopped_at(count):
+    """A progress that stops at its call of that number."""
+    calls = []
+    return lambda share: calls.append(share) or len(calls) >= count
+
+
+@pytest.mark.parametrize("count", [1, 2, 5])
+@pytest.mark.parametrize("task", [
+    lambda m, run, stop: hydrapod.frf(run, progress=stop), lambda m, run, stop: hydrapod.identify(run, progress=stop),
+    lambda m, run, stop: hydrapod.compare(m, run, progress=stop),
+    lambda m, run, stop: hydrapod.report(m, measured=run, points=20, progress=stop),
+    lambda m, run, stop: hydrapod.root_locus(m, "controller.gain", 3.0, 17.0, 1000, progress=stop)],
+    ids=["frf", "identify", "compare", "report", "root locus"])
+def test_stopped_tasks_give_no_part_as_if_it_were_the_whole(strong_run, task, count):
+    """They had responses of the first blocks of a record alone, or said that the record is too short."""
+    machine = hydrapod.read_machine(root / "models" / "zhang-jiang-2021.toml")
+    with pytest.raises(hydrapod.ComputationError, match="interrupted"):
+        task(machine, strong_run, stopped_at(count))
+
+
+def test_a_stopped_diagnosis_says_so(strong_run):
+    machine = hydrapod.read_machine(root / "models" / "zhang-jiang-2021.toml")
+    for count in (1, 4):
+        with pytest.raises(hydrapod.ComputationError, match="interrupted"):
+            hydrapod.diagnose(machine, strong_run, progress=stopped_at(count))
