@@ -23,7 +23,7 @@ class Record:
         Record(samples, 1000.0, ["force", "a1"], units=["N", "m/s^2"], roles=["excitation", "response"])
 
     samples may be any array of real numbers; masked ones are missing. Units that are plain scales ("mm", "kN", "bar")
-    are brought to SI. roles: excitation, drive, response or
+    are brought to SI; "g" is 9.80665 m/s². roles: excitation, drive, response or
     other. directions: "x" … "rz", "-x" …, "leg 1" …, "" for none. Raises InputError or ValueError.
     """
 
@@ -49,11 +49,10 @@ class Record:
                 raise ValueError(f"{name}: expected {count}, one for each channel, got {len(texts)}")
             return texts
 
-        self._core_record = _core.record(
+        self._core_record, self.warnings = _core.record(
             array, _core.quantity(sample_rate, "Hz", "sample_rate"), _core.quantity(start, "s", "start"), names,
             of_channels(units, "units", "1"), of_channels(roles, "roles", "other"),
             of_channels(directions, "directions", ""), _checks.word(title, "title"), _checks.word(notes, "notes"))
-        self.warnings = []
         self.path: Optional[str] = None
 
     @classmethod

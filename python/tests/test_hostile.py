@@ -329,3 +329,19 @@ def test_a_stopped_diagnosis_says_so(strong_run):
     for count in (1, 4):
         with pytest.raises(hydrapod.ComputationError, match="interrupted"):
             hydrapod.diagnose(machine, strong_run, progress=stopped_at(count))
+
+
+def test_records_from_arrays_have_units_as_those_from_files(tmp_path):
+    """"g" of a channel is the acceleration of gravity, not the gram."""
+    samples = np.arange(12.0).reshape(4, 3) + 0.5
+    units = ["g", "mg", "m/s**2"]
+    table = tmp_path / "r.csv"
+    rows = [",".join(repr(float(value)) for value in [k / 100, *row]) for k, row in enumerate(samples)]
+    table.write_text("time [s],a1 [g],a2 [mg],a3 [m/s**2]\n" + "\n".join(rows) + "\n")
+    by_file, by_array = hydrapod.read_record(table), hydrapod.Record(samples, 100.0, ["a1", "a2", "a3"], units=units)
+    assert by_array.units == by_file.units == ["m/s^2"] * 3
+    np.testing.assert_array_equal(by_array.samples, by_file.samples)
+    np.testing.assert_allclose(by_array["a1"], 9.80665 * samples[:, 0], rtol=1e-15)
+    assert any("9.80665" in text for text in by_array.warnings)
+    assert any("EU" in text for text in hydrapod.Record(samples[:, :1], 100.0, "a", units="EU").warnings)
+    assert hydrapod.Record(samples[:, :1], 100.0, "a", units="mm").units == ["m"]
