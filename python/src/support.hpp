@@ -101,6 +101,8 @@ void end_all();  ///< at exit, with the GIL
 /// Asks Python now and then, from any thread, whether to go on: signals, the user's callback.
 class Watcher {
  public:
+/// In the child of a fork, where the threads of the calls are not there.
+void forget_calls();
   explicit Watcher(py::object callback) : callback_(std::move(callback)) {}
   [[nodiscard]] numerics::Progress progress();
   /// Throws what a signal handler or the callback raised.

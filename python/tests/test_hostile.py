@@ -331,6 +331,32 @@ def test_a_stopped_diagnosis_says_so(strong_run):
             hydrapod.diagnose(machine, strong_run, progress=stopped_at(count))
 
 
+def test_the_child_of_a_fork_ends(heavy):
+    """It has no threads of its parent, for whose calls it would wait."""
+    done = in_another("""
+import os, sys, threading, time, hydrapod
+m = hydrapod.read_machine("models/heavy-platform.toml")
+thread = threading.Thread(target=lambda: hydrapod.simulate(m, until=900.0, progress=lambda share: stop), daemon=True)
+stop = False
+thread.start()
+time.sleep(0.3)
+child = os.fork()
+if child == 0:
+    hydrapod.modes(m)
+    sys.exit(7)
+until = time.monotonic() + 20.0
+while (ended := os.waitpid(child, os.WNOHANG))[0] == 0 and time.monotonic() < until:
+    time.sleep(0.05)
+if ended[0] == 0:
+    os.kill(child, 9)
+    ended = os.waitpid(child, 0)
+print(os.waitstatus_to_exitcode(ended[1]))
+stop = True
+thread.join()
+""", timeout=60)
+    assert (done.returncode, done.stdout) == (0, "7\n"), done.stderr
+
+
 def test_records_from_arrays_have_units_as_those_from_files(tmp_path):
     """"g" of a channel is the acceleration of gravity, not the gram."""
     samples = np.arange(12.0).reshape(4, 3) + 0.5
