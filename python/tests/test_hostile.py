@@ -357,6 +357,18 @@ thread.join()
     assert (done.returncode, done.stdout) == (0, "7\n"), done.stderr
 
 
+def test_control_c_stops_long_signals():
+    began = time.monotonic()
+    hydrapod.sample_signals("white z=1 mm", rate=1000, duration=100)
+    whole = 100 * (time.monotonic() - began)  # of the 10,000 s below
+    timer = threading.Timer(0.1, lambda: os.kill(os.getpid(), signal.SIGINT))
+    began = time.monotonic()
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        hydrapod.sample_signals("white z=1 mm", rate=1000, duration=10_000)
+    assert time.monotonic() - began < 0.5 * whole
+
+
 def test_records_from_arrays_have_units_as_those_from_files(tmp_path):
     """"g" of a channel is the acceleration of gravity, not the gram."""
     samples = np.arange(12.0).reshape(4, 3) + 0.5
