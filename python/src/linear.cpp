@@ -55,8 +55,7 @@ py::array shapes(const modal::AnalysedModel& model) {
       real.mutable_at(i, k) = mode.real[i];
       both.mutable_at(i, k) = {mode.real[i], mode.is_complex() ? mode.imaginary[i] : 0.0};
     }
-  if (complex) return both;
-  return real;
+  return complex ? read_only(both) : read_only(real);
 }
 
 struct System : Result {

@@ -139,7 +139,7 @@ py::array per_line(const data::PerLine<Matrix>& pages) {
   for (const auto& page : pages)
     for (Eigen::Index i = 0; i < rows; ++i)
       for (Eigen::Index j = 0; j < columns; ++j) *out++ = page(i, j);
-  return result;
+  return read_only(result);
 }
 
 /// Lines × outputs × inputs; without lines where no errors are known.
@@ -158,7 +158,7 @@ py::array copied(const Eigen::MatrixXd& matrix) {
   py::array_t<double> array(std::vector<py::ssize_t>{matrix.rows(), matrix.cols()});
   for (Eigen::Index i = 0; i < matrix.rows(); ++i)
     for (Eigen::Index j = 0; j < matrix.cols(); ++j) array.mutable_at(i, j) = matrix(i, j);
-  return array;
+  return read_only(array);
 }
 
 std::vector<std::string> names(const std::vector<data::Channel>& channels) {
@@ -183,7 +183,7 @@ py::array shapes(const Identified& result) {
   for (std::size_t k = 0; k < modes.size(); ++k)
     for (py::ssize_t i = 0; i < rows; ++i)
       all.mutable_at(i, static_cast<py::ssize_t>(k)) = modes[k].displacement[i];
-  return all;
+  return read_only(all);
 }
 
 /// Responses of the identified modes at the measured lines; NaN where there is no mode.

@@ -331,6 +331,27 @@ def test_a_stopped_diagnosis_says_so(strong_run):
             hydrapod.diagnose(machine, strong_run, progress=stopped_at(count))
 
 
+def test_arrays_of_results_cannot_be_written(strong_run, heavy):
+    """They are made anew at each access: what is written into one would be lost."""
+    machine = hydrapod.read_machine(root / "models" / "zhang-jiang-2021.toml")
+    identified, modes = hydrapod.identify(strong_run), hydrapod.modes(heavy)
+    results = [modes, modes.rigid, identified, hydrapod.frf(strong_run), hydrapod.system(heavy), hydrapod.check(heavy),
+               hydrapod.bode(heavy, points=5), hydrapod.bode(heavy, input="command", points=5),
+               hydrapod.modes_at_poses(heavy, ["neutral", "low"]), hydrapod.modes_at_amplitudes(heavy, 1e-3),
+               hydrapod.diagnose(machine, identified), hydrapod.sweep(heavy, {sleeve: [1e6]}),
+               hydrapod.machine_state_space(heavy), hydrapod.root_locus(heavy, "controller.gain", 3, 5, 3)]
+    seen = 0
+    for result in results:
+        for name in dir(result):
+            array = None if name.startswith("_") else getattr(result, name)
+            if isinstance(array, np.ndarray):
+                seen += 1
+                assert not array.flags.writeable, f"{type(result).__name__}.{name}"
+    assert seen > 50
+    plant = hydrapod.Plant(heavy)
+    assert plant.state.flags.writeable and plant.outputs()["length"].flags.writeable  # copies, as their texts say
+
+
 def test_the_child_of_a_fork_ends(heavy):
     """It has no threads of its parent, for whose calls it would wait."""
     done = in_another("""
