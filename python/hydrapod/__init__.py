@@ -20,10 +20,12 @@ from ._core import (
     Check,
     CommandResponse,
     Compared,
+    Design,
     Diagnosed,
     Frf,
     Identified,
     MachineStateSpace,
+    ModelModes,
     Modes,
     ModesAtAmplitudes,
     ModesAtPoses,
@@ -75,6 +77,7 @@ from ._plots import (
 from ._progress import ProgressBar, progress_bar
 from ._records import Record, read_record
 from ._studies import DesignFunction, design, montecarlo, sweep, workspace_map
+from . import _texts
 from ._tasks import (
     RigRun,
     bode,
@@ -103,6 +106,7 @@ __all__ = [
     "CommandResponse",
     "Compared",
     "ComputationError",
+    "Design",
     "DesignFunction",
     "Diagnosed",
     "Diagnostic",
@@ -113,6 +117,7 @@ __all__ = [
     "LinearPlant",
     "Machine",
     "MachineStateSpace",
+    "ModelModes",
     "Modes",
     "ModesAtAmplitudes",
     "ModesAtPoses",

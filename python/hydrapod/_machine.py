@@ -136,10 +136,12 @@ class Machine:
 
     @property
     def name(self) -> str:
+        """Name of the machine in its file."""
         return self._core_machine.name
 
     @property
     def description(self) -> str:
+        """Its description in the file."""
         return self._core_machine.description
 
     @property
@@ -169,6 +171,7 @@ class Machine:
 
     @property
     def pose(self) -> str:
+        """Its pose: a name or displacements."""
         return self._core_machine.pose
 
     @property
@@ -183,6 +186,7 @@ class Machine:
 
     @property
     def warnings(self) -> List[str]:
+        """What is doubtful in the file: a list of sentences."""
         return self._core_machine.warnings
 
     # --- numbers ----------------------------------------------------------------------------------

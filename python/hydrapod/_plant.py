@@ -125,8 +125,10 @@ class Plant:
 
     @property
     def state_names(self) -> List[str]:
+        """Names of the states."""
         return self._plant.state_names
 
     @property
     def state_units(self) -> List[str]:
+        """Their units."""
         return self._plant.state_units

@@ -18,7 +18,8 @@ from ._machine import Quantity
 class Record:
     """Channels sampled together, in SI and radians.
 
-    samples: samples × channels, read-only; a missing sample is NaN. Made by read_record(), or from arrays:
+    samples: samples × channels, read-only; a missing sample is NaN. warnings: what was done with units and the like, a
+    list of sentences. path: the file that was read; None: made from arrays. Made by read_record(), or from arrays:
 
         Record(samples, 1000.0, ["force", "a1"], units=["N", "m/s^2"], roles=["excitation", "response"])
 
@@ -41,7 +42,8 @@ class Record:
         count = len(names)
         if array.ndim == 2 and array.shape[1] != count:
             advice = "; transpose it" if array.shape[0] == count else ""
-            raise ValueError(f"samples: expected an array of samples × {count} channels, got shape {array.shape}{advice}")
+            raise ValueError(f"samples: expected an array of samples × {count} channels, got shape "
+                             f"{array.shape}{advice}")
 
         def of_channels(given: Optional[Texts], name: str, otherwise: str) -> List[str]:
             texts = [otherwise] * count if given is None else _checks.words(given, name)
@@ -65,22 +67,27 @@ class Record:
 
     @property
     def samples(self) -> Any:
+        """(N, channels) [SI], read-only; NaN: missing."""
         return self._core_record.samples
 
     @property
     def channels(self) -> List[str]:
+        """Their names."""
         return self._core_record.channels
 
     @property
     def units(self) -> List[str]:
+        """Their SI units."""
         return self._core_record.units
 
     @property
     def roles(self) -> List[str]:
+        """excitation, drive, response or other, of each channel."""
         return self._core_record.roles
 
     @property
     def directions(self) -> List[str]:
+        """x … rz, -x …, leg 1 … of each channel; empty: none."""
         return self._core_record.directions
 
     @property
@@ -100,14 +107,17 @@ class Record:
 
     @property
     def title(self) -> str:
+        """Title of the record."""
         return self._core_record.title
 
     @property
     def notes(self) -> str:
+        """Notes of who measured."""
         return self._core_record.notes
 
     @property
     def date(self) -> str:
+        """When it was measured; empty: not known."""
         return self._core_record.date
 
     @property

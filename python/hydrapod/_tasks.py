@@ -62,7 +62,7 @@ def modes(machine: Machine, *, matrices: bool = False) -> Modes:
 
     Result, n modes in ascending frequency, dof coordinates:
         frequency_hz, omega [rad/s], damping_ratio, poles [1/s]   (n,)
-        shapes                                                    (dof, n), φᵀ M φ = 1
+        shapes                                                    (dof, n), φᴴ M φ = 1
         M, K, C   [kg, N/m, N s/m and their rotational units]     (dof, dof)
         labels, moves_platform, coordinates                       lists
         damping_matrix()     C with the modal damping ratio in it (dof, dof)
@@ -359,8 +359,8 @@ def _is_file(machine: Machine) -> bool:
         return False
 
 
-def compare(*things: Union[Machine, Record, Identified, Frf, Path], overrides: Mapping[str, Any] = {}, poses: Texts = (),
-            model: Optional[str] = None, against: str = "auto", level: Quantity = 0.05,
+def compare(*things: Union[Machine, Record, Identified, Frf, Path], overrides: Mapping[str, Any] = {},
+            poses: Texts = (), model: Optional[str] = None, against: str = "auto", level: Quantity = 0.05,
             progress: Optional[Progress] = None) -> Compared:
     """Machines, poses, records and identified modes side by side, the first with each other one.
 
