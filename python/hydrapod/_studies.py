@@ -203,7 +203,8 @@ def added_to(study: Any) -> Dict[str, Any]:
 
 def add(study: Any, name: str, values: Any) -> None:
     """Adds a column of your own: one number per row."""
-    array = _checks.real_array(values, name, missing=True)
+    array = np.array(_checks.real_array(values, name, missing=True))  # one's own stays one's own
+    array.setflags(write=False)
     if array.shape != (len(study.values),):
         raise ValueError(f"{name}: expected {len(study.values)} numbers, got an array of shape {array.shape}")
     if name in study.names or name in added_to(study):

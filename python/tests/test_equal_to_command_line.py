@@ -243,7 +243,8 @@ def test_results_are_inputs_as_their_files_are(heavy, strong_run, tmp_path):
 def test_machines_of_files_are_called_by_their_files(heavy, strong_run):
     path = str(root / "models" / "zhang-jiang-2021.toml")
     machine = hydrapod.read_machine(path)
-    assert hydrapod.compare(machine, strong_run).to_dict() == command_line("compare", path, strong_run, "--format", "json")
+    assert hydrapod.compare(machine, strong_run).to_dict() == command_line("compare", path, strong_run, "--format",
+                                                                           "json")
     changed = machine.with_({"platform.mass": 1000.0})
     assert hydrapod.compare(machine, changed).things[0] == path and hydrapod.compare(machine, changed).things[1] != path
     assert hydrapod.compare(hydrapod.Machine(machine.text, path=path + ".none"), changed).things[0] != path

@@ -28,6 +28,11 @@ def test_columns_of_ones_own(heavy):
     assert table.dtype.names[-1] == "ratio" and table.ratio[2] == study["ratio"][2]
     with pytest.raises(KeyError, match="ratio"):
         study["no such"]
+    own = np.arange(4.0)
+    study.add("own", own)
+    own[:] = 9.0  # the study has a copy
+    np.testing.assert_array_equal(study["own"], np.arange(4.0))
+    assert not study["own"].flags.writeable
     with pytest.raises(ValueError):
         study.add("ratio", np.zeros(4))
     with pytest.raises(ValueError):
