@@ -128,6 +128,10 @@ def _compared_to_pandas(compared: Any) -> Any:
     return pandas.DataFrame(compared.columns)
 
 
+def _doubt(response: Any, words: str) -> str:
+    return "" if response.stable else f"; {words}, so that no steady vibration exists"
+
+
 def _plain(words: Callable[[Any], str]) -> Callable[[Any], Table]:
     return lambda result: (words(result), [], [], "")
 
@@ -153,8 +157,10 @@ _tables: Dict[type, Callable[[Any], Table]] = {
                                                               else "continuous")),
     _core.RootLocus: _plain(lambda r: f"root locus over {r.key}, {len(r.values)} values, limits {r.limits}"),
     _core.Bode: _plain(lambda b: f"6×6 response at {len(b.omega)} frequencies, {b.frequency_hz[0]:.4g} Hz "
-                                 f"to {b.frequency_hz[-1]:.4g} Hz, flexible and rigid legs"),
-    _core.CommandResponse: _plain(lambda r: f"command to pose at {len(r.omega)} frequencies"),
+                                 f"to {b.frequency_hz[-1]:.4g} Hz, flexible and rigid legs"
+                                 + _doubt(b, "the machine is unstable at this pose")),
+    _core.CommandResponse: _plain(lambda r: f"command to pose at {len(r.omega)} frequencies"
+                                            + _doubt(r, "the loop is unstable")),
     _core.Frf: _plain(lambda f: f"responses of {len(f.outputs)} outputs to {len(f.inputs)} inputs at "
                                 f"{len(f.frequency_hz)} lines"),
     _core.Simulation: _plain(lambda s: f"{s.simulated:.6g} s simulated of {s.until:.6g} s: "

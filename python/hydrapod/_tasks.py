@@ -118,7 +118,10 @@ def bode(machine: Machine, *, input: str = "wrench", output: str = "displacement
     velocity or acceleration. from_, to: band, numbers in Hz or texts ("30 rad/s"); default: from the modes.
     point: three lengths in the platform frame; default: the mass centre.
 
-    Result: frequency_hz, omega (points,), H and H_rigid (points, 6, 6): H[k, out, in], complex.
+    Result: frequency_hz [Hz], omega [rad/s] (points,), H and H_rigid (points, 6, 6): H[k, out, in], complex, of an
+    input of 1 N or 1 N m [m, rad; per s, per s²]; stable: False where no steady vibration exists, and the responses are
+    those of the linear equations. Raises InputError for a band or a point that cannot be, ComputationError where the
+    machine has no equilibrium.
     """
     result: Union[Bode, CommandResponse] = _core.bode(_core_of(machine), {"from": from_, **_checks.options(
         input=input, output=output, to=to, points=points, point=None if point is None else _point(point))})

@@ -76,11 +76,14 @@ _results: Dict[Any, Tuple[str, Dict[str, str]]] = {
         **_lines,
         "H": "Responses of the machine's model (L, 6, 6), complex, H[k, out, in], x … rz. "
              "Of displacements from a wrench [m/N, rad/N, m/(N m), rad/(N m)].",
-        "H_rigid": "The same with rigid legs (L, 6, 6)."}),
+        "H_rigid": "The same with rigid legs (L, 6, 6).",
+        "stable": "Whether the machine is stable at this pose; else no steady vibration exists, and the responses are "
+                  "those of its linear equations."}),
     _core.CommandResponse: ("Result of bode(input=\"command\"): from the commanded to the true pose at L lines.", {
         **_lines,
         "H": "Responses (L, 6, 6), complex, H[k, out, in], x … rz [1, and m and rad for one another].",
-        "stable": "Whether the closed loop is stable; else the responses are those of no motion that lasts."}),
+        "stable": "Whether the closed loop is stable; else no steady vibration exists, and the responses are "
+                  "those of the linear equations."}),
     _core.Check: ("Result of check(): p poses.", {
         "sound": "Whether the machine is sound at all poses.",
         "verdict": "The same in one sentence.",

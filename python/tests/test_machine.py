@@ -166,3 +166,13 @@ def test_shapes_are_normalised_as_their_text_says(heavy):
         shapes = found.shapes
         np.testing.assert_allclose(np.einsum("ik,ij,jk->k", shapes.conj(), found.M, shapes), 1.0, atol=1e-12)
         np.testing.assert_allclose(2 * np.pi * found.frequency_hz, np.abs(found.poles), rtol=1e-12)
+
+
+def test_responses_of_unstable_machines_say_so(heavy):
+    """As the command line does."""
+    buckled = heavy.with_({"platform.mass": "100 t"})
+    assert not hydrapod.modes(buckled).stable
+    unstable, sound = hydrapod.bode(buckled, points=5), hydrapod.bode(heavy, points=5)
+    assert not unstable.stable and "no steady vibration" in repr(unstable)
+    assert sound.stable and "vibration" not in repr(sound)
+    assert hydrapod.bode(heavy, input="command", points=5).stable
