@@ -85,6 +85,8 @@ def machine_state_space(machine: Machine, *, system: str = "mechanics", sample_t
     Result: A, B, C, D; states, inputs, outputs; state_units, …; state_rest, input_rest, output_rest (values at
     the operating point: x, u and y are small changes from them); sample_time [s], 0: continuous; delay [s].
     state_space() and to_control() take it.
+    Raises InputError for signals and options that cannot be, ComputationError where the supply cannot hold the
+    machine.
     """
     return _core.machine_state_space(_core_of(machine), _system(system, sample_time, sampled, pade_order, inputs,
                                                                 outputs, point, reduce))
@@ -96,6 +98,7 @@ def superelement(machine: Machine, *, leg_modes: Optional[int] = None,
 
     leg_modes: how many are kept, the lowest; default: all, which is exact. Result: M, K, C (n, n) [SI],
     coordinates, units, first_left_out [rad/s] (0: all modes are kept).
+    Raises InputError for more modes than the legs have.
     """
     return _core.superelement(_core_of(machine), _checks.options(
         leg_modes=leg_modes, point=None if point is None else _point(point)))
@@ -110,7 +113,10 @@ class MultibodyText(NamedTuple):
 
 
 def multibody_text(machine: Machine, format: str = "mjcf") -> MultibodyText:
-    """The mechanism at rest as MJCF, SDF or URDF; parity lists what the format holds. Nothing is written."""
+    """The mechanism at rest as MJCF, SDF or URDF; parity lists what the format holds. Nothing is written.
+
+    Result: text [SI, rad], sidecar, parity; see MultibodyText. Raises InputError for a format that is unknown.
+    """
     text, sidecar, parity = _core.multibody(_core_of(machine), _checks.word(format, "format"))
     return MultibodyText(text, sidecar, [ParityLine(*line) for line in parity])
 

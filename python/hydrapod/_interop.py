@@ -43,6 +43,7 @@ def state_space(of: Any, *, input: str = "command") -> Any:
     input, of a System: command (displacement of the commanded pose, without its velocity), valve or wrench.
     Modes: M ÿ + C ẏ + K y = F with the wrench at the mass centre as input and its motion as output. A
     MachineStateSpace with a sample time gives a system in discrete time.
+    Raises TypeError for other results.
     """
     from scipy.signal import StateSpace  # type: ignore[import]
 
@@ -52,7 +53,10 @@ def state_space(of: Any, *, input: str = "command") -> Any:
 
 
 def to_control(of: Any, *, input: str = "command") -> Any:
-    """The same as control.ss (needs python-control)."""
+    """The same as control.ss (needs python-control).
+
+    Raises TypeError for other results.
+    """
     import control  # type: ignore[import]
 
     step = _time_step(of)
@@ -91,6 +95,7 @@ def to_pyuff(of: Any) -> List[Dict[str, Any]]:
     Record: a dataset 58 per channel; Frf and Bode: one per output and input, complex; Modes: a dataset 55 per
     mode with the platform's motion about its mass centre at node 1. Nodes count channels from 1; of Bode node 1
     is the point. pyuff is not needed. hydrapod writes such files itself: export(), Record.write().
+    Raises TypeError for other results.
     """
     if isinstance(of, Record):
         return [_function(_time_function, of.time, of.samples[:, k], (k + 1, _direction(of.directions[k])), (0, 0),

@@ -123,6 +123,7 @@ def sweep(machine: Machine, over: Over, *, want: Texts = (), outputs: Optional[O
     over: {PATH: "2:20:10 kN/mm"}, a list "1, 2, 5 kN/mm", or an array in SI. outputs: {NAME: function of a
     Machine} adds columns of your own: see Study.evaluate; where progress stops the study they are NaN.
     Result: as montecarlo(); of a grid, shape are the counts, study["x"].reshape(study.shape) the field.
+    Raises as montecarlo(); ValueError and TypeError for outputs that cannot be columns.
     """
     return _with_outputs(machine, "sweep", progress, results, outputs, over=_texts(over),
                          want=_checks.words(want, "want"), design=design, samples=samples, seed=seed, modes=modes,
@@ -136,6 +137,7 @@ def workspace_map(machine: Machine, over: Over, *, want: Texts = (), outputs: Op
 
     over: {DIRECTION: "-100:100:41 mm"} or arrays [m, rad]; directions x … rz, from the machine's pose.
     Result: as sweep(); the columns of the displacements are "pose.x" …, for "x" is the first resonance in x.
+    Raises as sweep(). outputs need a map from the pose neutral.
     """
     if outputs and machine.pose != "neutral":
         raise ValueError(f"outputs: need a map from the pose neutral, and the machine is at {machine.pose}")

@@ -68,7 +68,8 @@ def modes(machine: Machine, *, matrices: bool = False) -> Modes:
         damping_matrix()     C with the modal damping ratio in it (dof, dof)
         rigid                the same of the rigid-leg model
         answer               lowest mode the platform feels, in one sentence
-    Raises ComputationError where the machine does not stand at this pose.
+    A machine that buckles at this pose has unstable modes: stable is False, their frequency is 0.
+    Raises ComputationError where it has no equilibrium. Source: docs/theory/linear-model.md.
     """
     return _core.modes(_core_of(machine), _checks.flag(matrices, "matrices"))
 
@@ -79,6 +80,8 @@ def modes_at_poses(machine: Machine, poses: Texts) -> ModesAtPoses:
     poses: names of the file or displacements from the neutral pose ("z=50 mm"). Result, m followed modes,
     p poses: frequency_hz (m, p), NaN where there is no such mode; mac (m, p) with the mode at the pose before;
     numbers (m, p), counted from 0, -1 for none; labels, poses.
+    frequency_hz [Hz], mac [1]. Raises InputError for a pose that is unknown or out of reach, ValueError for fewer
+    than two.
     """
     return _core.modes_at_poses(_core_of(machine), _checks.words(poses, "poses"))
 
@@ -91,6 +94,8 @@ def system(machine: Machine, *, closed: bool = True, pade_order: int = 2) -> Sys
     Result: A, B_command, B_velocity, B_valve, B_wrench, C, C_ground (against the ground), states, sampled (the
     matrix of the sampled loop), poles [1/s] (least damped in time first, one of each pair), damping_ratio,
     participation, stable (of the sampled loop), verdict, delay [s], sample_time [s].
+    Raises ComputationError where the supply cannot hold the machine at this pose, ValueError for an order that
+    cannot be.
     """
     return _core.system(_core_of(machine), _checks.flag(closed, "closed"), _checks.whole(pade_order, "pade_order"))
 
@@ -100,6 +105,8 @@ def root_locus(machine: Machine, key: str, start: float, stop: float, count: int
     """Poles of the system over one number of the file, `count` values from start to stop [SI].
 
     Result: key, values, poles (a list of arrays), limits (values at which stability changes).
+    values [SI], poles [1/s]. Raises InputError for a path that is unknown and values that cannot be,
+    ComputationError where progress stops.
     """
     with all_or_none(progress) as told:
         return _core.root_locus(
@@ -134,6 +141,7 @@ def check(machine: Machine, *, all_poses: bool = True) -> Check:
     all_poses=False: at the machine's pose alone. Result, p poses: sound, verdict, warnings, poses, lengths [m],
     axial_force [N, + compression], oil_stiffness [N/m], tilt [rad] (p, 6), buckling_payload [kg] (p,), NaN
     where there is none.
+    A machine that is not sound raises nothing: sound is False.
     """
     return _core.check(_core_of(machine), _checks.flag(all_poses, "all_poses"))
 
@@ -142,6 +150,8 @@ def sensitivity(machine: Machine, parameters: Texts = ()) -> Sensitivity:
     """Change of each frequency per change of each number of the file: d ln ω / d ln p.
 
     parameters: paths; default: all that matter. Result: parameters, omega (n,), percent_per_percent (n, p).
+    omega [rad/s], percent_per_percent [1]; NaN for modes that buckle. Raises InputError for a path that is
+    unknown.
     """
     return _core.sensitivity(_core_of(machine), _checks.words(parameters, "parameters"))
 
@@ -151,9 +161,12 @@ def frequencies(machine: Machine, designs: Mapping[str, Any], *, threads: int = 
     """Frequencies [Hz] of many designs, (designs, n): NumPy arrays in, an array out, all processors.
 
     They are the undamped ones, with elastomers those of the damped modes.
-    designs: {PATH: values in SI}; arrays of one length, or numbers that hold for all. A design that does not
-    stand at the pose has NaN. Values are not checked for being sensible: check the extremes with with_().
+    designs: {PATH: values in SI}; arrays of one length, or numbers that hold for all. A design without equilibrium
+    at the pose has NaN, a mode that buckles 0 Hz. Values are not checked for being sensible: check the extremes
+    with with_().
     Arrays are computed in SIMD lanes: as single ones to 1e-12 (gravity 1e-11, nearly rigid sleeves 5e-11).
+    Raises InputError for a path that is unknown, ValueError for numbers that are not finite or arrays of several
+    lengths, ComputationError where progress stops.
     """
     core = _core_of(machine)
     if not designs:
@@ -193,6 +206,8 @@ def simulate(machine: Machine, commands: Texts = (), *, wrench: Texts = (), init
     Result, N samples: time [s] (N,), command and motion [m, rad] (N, 6), piston [m], drive, cap_pressure,
     rod_pressure [Pa] (N, 6), rms_error, peak_error (6,), record, warnings. Of electric cylinders nut [m],
     motor_speed [rad/s], torque [N m] (N, 6), and no pressures.
+    Raises InputError for signals and options that cannot be, ComputationError where the machine cannot be held at
+    its pose.
     """
     return _core.simulate(_core_of(machine), _checks.options(
         commands=_checks.words(commands, "commands"), wrench=_checks.words(wrench, "wrench"), initial=initial,
@@ -225,6 +240,7 @@ def rig(machine: Machine, record: Optional[Path] = None, *, excite: Texts = (), 
     record: file to write; None: only the levels are checked. excite: signals ("white all=0.1 mm"), default
     white noise. entry: command, drive or wrench. Raises InputError for levels that do not fit, unless
     above_limits. Keys: hydrapod rig --help.
+    Result, a RigRun: record, samples, findings, finished and message.
     """
     return RigRun(**_core.rig(_core_of(machine), _checks.options(
         record=None if record is None else os.fspath(record), excite=_checks.words(excite, "excite"), entry=entry,
@@ -269,6 +285,8 @@ def frf(measured: Measured, *, machine: Union[Machine, Path, None] = None, pose:
 
     Result, L lines: frequency_hz (L,), H and deviation (L, outputs, inputs), coherence, inputs, outputs,
     warnings.
+    H in the units of outputs per inputs (SI). Raises InputError for records that do not fit, ComputationError
+    where a record is too short, an input has no excitation, or progress stops.
     """
     with files_of(measured) as files, all_or_none(progress) as told:
         return _core.frf(_measure_options(machine, dict(
@@ -297,6 +315,7 @@ def identify(measured: Measured, *, machine: Union[Machine, Path, None] = None, 
     shapes (outputs, n) as displacements; outputs, inputs, motion, warnings. Deviations are standard deviations.
     L lines: line_frequency_hz (L,), H and deviation (measured), H_modes (of the modes) (L, outputs, inputs),
     mode_indicator: singular values of H (L, k). With 95 % probability H is off by less than radius_95 deviations.
+    Raises as frf() does. Where there is no mode, n is 0 and warnings say why.
     """
     with files_of(measured) as files, all_or_none(progress) as told:
         return _core.identify(_measure_options(machine, {"from": from_, **dict(
@@ -320,6 +339,8 @@ def calibrate(machine: Machine, targets: Union[Path, Record, Identified], free: 
 
     Result of the best combination: parameters, units, values, deviations, verdicts, misfit, remarks,
     interrupted; text: the calibrated machine file, with its comments.
+    values and deviations [SI]. Raises InputError for targets, paths and bounds that cannot be, ComputationError
+    where no fit is found.
     """
     with files_of(targets) as files:
         return _core.calibrate(_core_of(machine), _checks.options(
@@ -374,6 +395,8 @@ def compare(*things: Union[Machine, Record, Identified, Frf, Path], overrides: M
 
     Result: things, descriptions, test; to_records(): a row per pair of modes with mac, differences (second less
     first), p and verdicts (significant, not_significant, calculated, cannot_say); the rest in to_dict().
+    frequency_hz and frequency_difference_hz [Hz], mac, p and damping as shares. Raises InputError for things that
+    cannot be compared, ComputationError where progress stops.
     """
     lines = [f"{key}={_toml(value)}" for key, value in overrides.items()]
     machines = [thing for thing in things if isinstance(thing, Machine)]
@@ -421,6 +444,8 @@ def diagnose(machine: Machine, measured: Measured = (), *, against: str = "auto"
     number below 1) or a lowest frequency ("5 Hz", "x=5 Hz"). poses: names, or "workspace". Errors are shares.
 
     Result: summary (sentences), finding, hypotheses (best first), bic, warnings; the rest in to_dict().
+    Raises InputError for a measurement without modes and goals that cannot be. A diagnosis that progress stopped
+    says so in its summary, or raises ComputationError.
     """
     with files_of(measured) as files, all_or_none(progress, parts=True) as told:
         return _core.diagnose(_core_of(machine), _diagnosis(files, dict(
@@ -442,6 +467,7 @@ def report(machine: Machine, path: Optional[Path] = None, *, poses: Texts = (), 
     diagnose: also diagnose from this. compare: also show this comparison, a Compared or the
     JSON of `hydrapod compare`. In a notebook the
     result shows the page in a frame. Result: html, write(path), to_dict().
+    Raises InputError for what cannot be read or written, ComputationError where progress stops.
     """
     with files_of(() if measured is None else measured) as records, \
             files_of(() if diagnose is None else diagnose) as causes, \
