@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import operator
 import os
 from typing import Any, Iterator, List, Mapping, Optional, Tuple, Union
 
@@ -11,7 +12,7 @@ import numpy as np
 from . import _checks, _core
 
 Quantity = Union[float, int, str]
-Value = Union[Quantity, bool, List[Any], Tuple[Any, ...]]
+Value = Union[Quantity, bool, List[Any], Tuple[Any, ...], "Parameters"]
 
 
 def _toml(value: Value) -> str:
@@ -20,6 +21,8 @@ def _toml(value: Value) -> str:
         return value
     if isinstance(value, (bool, np.bool_)):
         return "true" if value else "false"
+    if isinstance(value, Parameters):
+        value = list(value)
     if isinstance(value, (list, tuple)) or hasattr(value, "tolist") and not hasattr(value, "__float__"):
         items = value if isinstance(value, (list, tuple)) else value.tolist()
         texts = [json.dumps(v, ensure_ascii=False) if isinstance(v, str) else _toml(v) for v in items]
@@ -70,13 +73,29 @@ class Parameters:
 
     def __getitem__(self, key: Union[int, str]) -> Any:
         """An element of an array, counted from 0, or a key: machine.leg["3"]."""
-        return self._machine._at(f"{self._path}[{key}]" if isinstance(key, int) else f"{self._path}.{key}")
+        if isinstance(key, str):
+            return self._machine._at(f"{self._path}.{key}")
+        number, count = operator.index(key), self._count()
+        if not -count <= number < count:
+            raise IndexError(f"{self._path} has {count} elements, not one of number {number}")
+        return self._machine._at(f"{self._path}[{number % count}]")
+
+    def _count(self) -> int:
+        """Elements of an array; 0: it is none."""
+        ends = [path[len(self._path) + 1:].split("]")[0] for path in self._machine.paths
+                if path.startswith(self._path + "[")]
+        return len(set(ends))
+
+    def __len__(self) -> int:
+        return self._count() or len(self.__dir__())
 
     def __dir__(self) -> List[str]:
         return sorted(self._machine._keys_below(self._path))
 
-    def __iter__(self) -> Iterator[str]:
-        return iter(self.__dir__())
+    def __iter__(self) -> Iterator[Any]:
+        """Elements of an array, else keys."""
+        count = self._count()
+        return iter([self[k] for k in range(count)] if count else self.__dir__())
 
     def __repr__(self) -> str:
         rows = [

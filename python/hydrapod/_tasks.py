@@ -161,14 +161,16 @@ def frequencies(machine: Machine, designs: Mapping[str, Any], *, threads: int = 
     """Frequencies [Hz] of many designs, (designs, n): NumPy arrays in, an array out, all processors.
 
     They are the undamped ones, with elastomers those of the damped modes.
-    designs: {PATH: values in SI}; arrays of one length, or numbers that hold for all. A design without equilibrium
-    at the pose has NaN, a mode that buckles 0 Hz. Values are not checked for being sensible: check the extremes
-    with with_().
+    designs: {PATH: values in SI}; arrays of one length, or numbers that hold for all; a DataFrame too. A design
+    without equilibrium at the pose has NaN, a mode that buckles 0 Hz. Values are not checked for being sensible:
+    check the extremes with with_().
     Arrays are computed in SIMD lanes: as single ones to 1e-12 (gravity 1e-11, nearly rigid sleeves 5e-11).
     Raises InputError for a path that is unknown, ValueError for numbers that are not finite or arrays of several
     lengths, ComputationError where progress stops.
     """
     core = _core_of(machine)
+    if type(designs) is not dict and hasattr(designs, "columns"):  # a pandas.DataFrame
+        designs = {path: designs[path] for path in designs.columns}
     if not designs:
         raise ValueError("designs: expected at least one path with values")
     one = _core.one_design(core, designs) if type(designs) is dict else None  # one design of floats, quickly

@@ -123,3 +123,23 @@ def test_texts_in_lists_keep_their_quotes(heavy):
     assert heavy.with_({path: ["1 mm", "0 m", "-15 cm"]})[f"{path}[0]"] == pytest.approx(1e-3)
     with pytest.raises(hydrapod.InputError, match="unit"):
         heavy.with_({path: ['1 "mm', "0 m", "0 m"]})
+
+
+def test_arrays_of_the_machine_file_are_sequences(heavy):
+    """They were empty when they were looped over."""
+    centre = heavy.platform.mass_center
+    assert list(centre) == [heavy[f"platform.mass_center[{k}]"] for k in range(3)] and len(centre) == 3
+    np.testing.assert_array_equal(np.asarray(centre, dtype=float), list(centre))
+    assert centre[np.int64(2)] == centre[-1] == centre[2] == heavy["platform.mass_center[2]"]
+    for wrong in (3, -4):
+        with pytest.raises(IndexError, match="3 elements"):
+            centre[wrong]
+    assert list(heavy.with_({"platform.mass_center": centre}).platform.mass_center) == list(centre)
+    assert "guide_sleeve" in list(heavy.legs) and len(heavy.legs) == len(list(heavy.legs))
+
+
+def test_designs_of_a_data_frame(heavy):
+    pandas = pytest.importorskip("pandas")
+    table = pandas.DataFrame({sleeve: [1e6, 2e6], "platform.mass": [12e3, 14e3]}, index=[7, 9])
+    np.testing.assert_array_equal(hydrapod.frequencies(heavy, table),
+                                  hydrapod.frequencies(heavy, {path: table[path].to_numpy() for path in table}))
