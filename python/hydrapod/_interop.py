@@ -6,7 +6,7 @@ from typing import Any, Dict, List, Tuple
 
 import numpy as np
 
-from ._core import Bode, Frf, MachineStateSpace, Modes, System
+from ._core import Bode, Frf, MachineStateSpace, ModelModes, Modes, System
 from ._plant import LinearPlant
 from ._records import Record
 
@@ -21,8 +21,8 @@ def _matrices(of: Any, input: str) -> Tuple[Any, Any, Any, Any]:
             raise ValueError(f"input: expected one of {', '.join(_inputs)}, got {input!r}")
         B = getattr(of, _inputs[input])
         return of.A, B, of.C, np.zeros((of.C.shape[0], B.shape[1]))
-    if isinstance(of, Modes):
-        model = of.flexible
+    if isinstance(of, (Modes, ModelModes)):
+        model = of.flexible if isinstance(of, Modes) else of
         n = model.M.shape[0]
         zero, one = np.zeros((n, n)), np.eye(n)
         M_inverse = np.linalg.inv(model.M)
@@ -41,7 +41,7 @@ def state_space(of: Any, *, input: str = "command") -> Any:
     """scipy.signal.StateSpace of a System, a MachineStateSpace, a LinearPlant (of Plant.linearise()) or Modes.
 
     input, of a System: command (displacement of the commanded pose, without its velocity), valve or wrench.
-    Modes: M ÿ + C ẏ + K y = F with the wrench at the mass centre as input and its motion as output. A
+    Modes, or its rigid: M ÿ + C ẏ + K y = F with the wrench at the mass centre as input and its motion as output. A
     MachineStateSpace with a sample time gives a system in discrete time.
     Raises TypeError for other results.
     """

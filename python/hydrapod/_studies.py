@@ -306,7 +306,11 @@ class DesignFunction:
             raise ValueError(f"modes: expected 1 to {count}, got {modes}")
 
     def __call__(self, x: Any) -> List[float]:
-        return [float(value) for value in self.sample(np.atleast_2d(_checks.real_array(x, "x")))[0]]
+        design = np.atleast_1d(_checks.real_array(x, "x"))
+        if design.shape != (len(self.paths),):
+            raise ValueError(f"x: expected {len(self.paths)} numbers, got shape {design.shape}; sample(X) takes many "
+                             "designs")
+        return [float(value) for value in self.sample(design[np.newaxis])[0]]
 
     def sample(self, X: Any) -> Any:
         """(N, modes) of (N, paths) [SI]."""

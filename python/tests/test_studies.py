@@ -111,6 +111,9 @@ def test_design_function(heavy):
         f.sample(X), hydrapod.frequencies(heavy, {sleeve: X[:, 0], "platform.mass": X[:, 1]})[:, :3], rtol=1e-11)
     with pytest.raises(ValueError):
         f.sample(X[:, :1])
+    for wrong in (X, X[:1], X[0, :1], 1e6):
+        with pytest.raises(ValueError, match="sample"):
+            f(wrong)  # of many it would be the first
     with pytest.raises(ValueError):
         hydrapod.DesignFunction(heavy, sleeve, modes=40)
 
