@@ -46,7 +46,16 @@ def _utf8(text: Any, name: str) -> str:
         _checks.word(text, name).encode()
     except UnicodeEncodeError:
         raise ValueError(f"{name}: {text!r} is no text in UTF-8") from None
+    if "\0" in text:
+        raise ValueError(f"{name}: {text!r} has a character 0")
     return str(text)
+
+
+def _lines(overrides: Mapping[str, Value]) -> List[str]:
+    """As --set has them."""
+    if not isinstance(overrides, Mapping):
+        raise TypeError(f"overrides: expected a dict {{PATH: value}}, got {overrides!r}")
+    return [f"{_checks.word(path, 'overrides')}={_toml(value)}" for path, value in overrides.items()]
 
 
 class Parameters:
@@ -123,7 +132,7 @@ class Machine:
     def __init__(self, text: str, *, path: str = "machine.toml", overrides: Mapping[str, Value] = {},
                  pose: str = "neutral", model: Optional[str] = None):
         """From the text of a machine file; `path`: what messages call it. See read_machine()."""
-        lines = [f"{key}={_toml(value)}" for key, value in overrides.items()]
+        lines = _lines(overrides)
         self._read(path, _checks.word(text, "text"), lines, pose, model)
 
     def _read(self, path: str, text: Optional[str], overrides: List[str], pose: str, model: Optional[str]) -> None:
@@ -217,11 +226,19 @@ class Machine:
 
     def __getitem__(self, path: str) -> float:
         """The number at `path` [SI]. Raises InputError naming the nearest path."""
-        return self._core_machine.value(path)
+        return self._core_machine.value(_checks.word(path, "path"))
+
+    def __contains__(self, path: object) -> bool:
+        """Whether the machine holds a number at `path`."""
+        return path in self.paths
+
+    def __iter__(self) -> Iterator[str]:
+        """Over `paths`."""
+        return iter(self.paths)
 
     def unit(self, path: str) -> str:
         """Its SI unit, "1" for pure numbers."""
-        return self._core_machine.unit(path)
+        return self._core_machine.unit(_checks.word(path, "path"))
 
     def _keys_below(self, path: str) -> List[str]:
         keys = set()
@@ -254,7 +271,7 @@ class Machine:
         A value is a number in SI, a text with a unit, or a list of these. They are laid over the file as
         --set of the command line is, and everything is checked again. Raises InputError.
         """
-        lines = self.overrides + [f"{key}={_toml(value)}" for key, value in {**overrides, **more}.items()]
+        lines = self.overrides + _lines({**overrides, **more})
         return self._made(self.path, self.text, lines, self._pose, self._model)
 
     def at(self, pose: str) -> "Machine":
@@ -304,7 +321,7 @@ def read_machine(path: Union[str, "os.PathLike[str]"], *, overrides: Mapping[str
         raise TypeError(f"path: expected a text or a path, got {path!r}")
     if "\n" in name:
         return Machine(name, overrides=overrides, pose=pose, model=model)
-    lines = [f"{key}={_toml(value)}" for key, value in overrides.items()]
+    lines = _lines(overrides)
     return Machine._made(name, None, lines, pose, model)
 
 

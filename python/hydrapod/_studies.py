@@ -205,6 +205,7 @@ def added_to(study: Any) -> Dict[str, Any]:
 
 def add(study: Any, name: str, values: Any) -> None:
     """Adds a column of your own: one number per row."""
+    _checks.word(name, "name")
     array = np.array(_checks.real_array(values, name, missing=True))  # one's own stays one's own
     array.setflags(write=False)
     if array.shape != (len(study.values),):
@@ -299,8 +300,8 @@ class DesignFunction:
     def __init__(self, machine: Machine, paths: Texts, *, modes: int = 6, threads: int = 0):
         self.machine = machine
         self.paths = _checks.words(paths, "paths")
-        self.modes = modes
-        self.threads = threads
+        self.modes = _checks.whole(modes, "modes")
+        self.threads = _checks.whole(threads, "threads")
         count = self.sample([[machine[path] for path in self.paths]]).shape[1]
         if not 1 <= modes <= count:
             raise ValueError(f"modes: expected 1 to {count}, got {modes}")

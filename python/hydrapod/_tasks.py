@@ -29,7 +29,7 @@ from ._core import (
 )
 from ._checks import Texts
 from ._errors import ComputationError
-from ._machine import Machine, Quantity, _toml
+from ._machine import Machine, Quantity, _lines
 from ._progress import all_or_none
 from ._records import Measured, Path, Record, files_of
 
@@ -400,7 +400,7 @@ def compare(*things: Union[Machine, Record, Identified, Frf, Path], overrides: M
     frequency_hz and frequency_difference_hz [Hz], mac, p and damping as shares. Raises InputError for things that
     cannot be compared, ComputationError where progress stops.
     """
-    lines = [f"{key}={_toml(value)}" for key, value in overrides.items()]
+    lines = _lines(overrides)
     machines = [thing for thing in things if isinstance(thing, Machine)]
     if model is None and machines:
         model = machines[0].model

@@ -25,6 +25,7 @@ sleeve = "legs.guide_sleeve.stiffness"
     (lambda m: hydrapod.simulate(m, ideal_sensors="no"), "ideal_sensors"),
     (lambda m: hydrapod.sensitivity(m, 3), "parameters"), (lambda m: m.at([0, 0, 0.05, 0, 0, 0]), "pose"),
     (lambda m: m.using(3), "model"), (lambda m: hydrapod.read_machine("a\udcffb"), "UTF-8"),
+    (lambda m: hydrapod.read_machine("a\0b"), "character 0"),
     (lambda m: hydrapod.forward_kinematics(m, None), "lengths"),
     (lambda m: hydrapod.sample_signals("sine x=1 mm", seed=1.5), "seed"),
     (lambda m: hydrapod.frequencies(m, [sleeve]), "designs"),
@@ -47,6 +48,11 @@ sleeve = "legs.guide_sleeve.stiffness"
     (lambda m: hydrapod.Plant(m, hydraulics="no"), "hydraulics"),
     (lambda m: hydrapod.Plant(m, tolerance="small"), "tolerance"),
     (lambda m: hydrapod.Plant.run_many([hydrapod.Plant(m), 3], np.zeros((3, 6)), 1e-3), "plants"),
+    (lambda m: m[3], "path"), (lambda m: m.unit(3), "path"), (lambda m: m.with_({3: 1.0}), "overrides"),
+    (lambda m: hydrapod.read_machine("m.toml", overrides=["a=1"]), "overrides"),
+    (lambda m: hydrapod.compare(m, overrides=["a=1"]), "overrides"),
+    (lambda m: hydrapod.DesignFunction(m, sleeve, modes="2"), "modes"),
+    (lambda m: hydrapod.sweep(m, {sleeve: [1e6]}).add(3, [1.0]), "name"),
     (lambda m: hydrapod.read_record(b"run.h5"), "path")])
 def test_wrong_arguments_are_named(heavy, call, name):
     with pytest.raises((TypeError, ValueError)) as raised:
@@ -123,6 +129,10 @@ def test_texts_in_lists_keep_their_quotes(heavy):
     assert heavy.with_({path: ["1 mm", "0 m", "-15 cm"]})[f"{path}[0]"] == pytest.approx(1e-3)
     with pytest.raises(hydrapod.InputError, match="unit"):
         heavy.with_({path: ['1 "mm', "0 m", "0 m"]})
+
+
+def test_machines_know_their_paths(heavy):
+    assert sleeve in heavy and "no.such" not in heavy and 3 not in heavy and list(heavy) == heavy.paths
 
 
 def test_arrays_of_the_machine_file_are_sequences(heavy):

@@ -71,7 +71,8 @@ def test_results_say_what_their_attributes_are():
 
 def test_tasks_say_their_errors_and_units():
     for name in ("modes", "modes_at_poses", "system", "root_locus", "bode", "sensitivity", "frequencies", "simulate",
-                 "rig", "frf", "identify", "calibrate", "compare", "diagnose", "report", "montecarlo",
-                 "sweep", "workspace_map", "design", "export", "machine_state_space", "superelement", "leg_lengths", "leg_jacobian",
-                 "forward_kinematics", "static_equilibrium", "sample_signals", "read_machine", "read_record"):
+                 "rig", "frf", "identify", "calibrate", "compare", "diagnose", "report", "montecarlo", "sweep",
+                 "workspace_map", "design", "export", "machine_state_space", "superelement", "leg_lengths",
+                 "leg_jacobian", "forward_kinematics", "static_equilibrium", "sample_signals", "read_machine",
+                 "read_record"):
         assert "Raises" in getattr(hydrapod, name).__doc__, name
