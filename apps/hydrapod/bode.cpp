@@ -168,8 +168,8 @@ void add_bode(Command app) {
   add_subject_options(command, arguments.machine);
   command.add_options(
       {{"--input", arguments.input,
-        "wrench at the point, actuator forces mapped to its directions, or command: the "
-        "commanded pose, with hydraulics and controller"},
+        "wrench: forces and moments at the point; actuator: forces of the legs, mapped to its "
+        "directions; command: the commanded pose, with hydraulics and controller"},
        {"--output", arguments.output, "displacement, velocity or acceleration of the point"},
        {"--point", arguments.point,
         "Point of the platform, \"x,y,z\" in its frame; default: its mass centre"},

@@ -8,7 +8,7 @@
 
 Numbers are in SI and radians; a quantity may also be a text with a unit ("2 kN/mm", "5 deg"). Results have
 arrays as attributes; `.to_dict()` and `.json` are what the command line prints with --format json, but for
-`reproduction`. Arrays of results are read-only views. Mistakes raise InputError, computations that cannot
+`reproduction`. Arrays of results are read-only views, or copies. Mistakes raise InputError, computations that cannot
 give a result ComputationError. Long tasks take `progress`, a callable that gets the share done (0 to 1); when
 it returns True the task stops; progress_bar() is one. Ctrl-C stops them too. Tasks run without the interpreter
 lock (GIL).
