@@ -422,19 +422,22 @@ Identification identified(const FrequencyResponses& given, const IdentifyOptions
   return result;
 }
 
-/// Where modes leave more than noise, responses may be wider than the machine's by a window that
-/// their file does not name.
+/// Where modes leave more than noise, resonances may be wider than the machine's by a window that
+/// the file does not name: then, with its effect, they leave noise alone.
 void test_window(const FrequencyResponses& given, const IdentifyOptions& options,
                  const std::function<void(double)>& progress, Identification& result) {
-  if (result.unexplained.empty() && result.model.misfit <= options.largest_misfit) return;
+  const auto is_noise = [&](const ModalModel& model, const std::vector<Unexplained>& unexplained) {
+    return unexplained.empty() && model.misfit <= options.largest_misfit;
+  };
+  if (is_noise(result.model, result.unexplained)) return;
   if (!may_be_windowed(given)) return;
   std::optional<Window> found;
-  for (const auto window : {Window::hann, Window::rectangular, Window::hamming,
-                            Window::blackman_harris, Window::flat_top}) {
+  for (const auto window : {Window::hann, Window::rectangular}) {
     auto other = identified(with_window(given, window), options, [&](double) {
       if (progress) progress(1.0);
     });
-    if (other.modes.empty() || !(evidence(other, result, options) > options.window_evidence))
+    if (other.modes.empty() || !is_noise(other.model, other.unexplained) ||
+        !(evidence(other, result, options) > options.window_evidence))
       continue;
     result = std::move(other);
     found = window;

@@ -66,22 +66,22 @@ class FineResponses {
   std::vector<MatrixXcd> values_{};
 };
 
-/// K E|e_oi|²/Q_ii, lines × outputs.
-MatrixXd leakage(const FrequencyResponses& r, const data::PerLine<MatrixXcd>& rest,
-                 const ModalModel& model) {
+/// K E[e_oi e*_pi]/Q_ii per line, outputs × outputs.
+std::vector<MatrixXcd> leakage(const FrequencyResponses& r, const data::PerLine<MatrixXcd>& rest,
+                               const ModalModel& model) {
   VectorXd weight(2 * reach + 1);
   for (Index j = -reach; j <= reach; ++j)
     weight[j + reach] = let_in(r.taper, static_cast<double>(j) / per_line);
   weight /= weight.sum();
-  const VectorXd per_input = r.input_factor[0].diagonal().real().cwiseInverse();
+  const VectorXcd per_input = r.input_factor[0].diagonal().cwiseInverse();
   const FineResponses fine(model, r);
-  MatrixXd leak = MatrixXd::Zero(static_cast<Index>(r.lines()), r.H[0].rows());
+  std::vector<MatrixXcd> leak(r.lines(), MatrixXcd::Zero(r.H[0].rows(), r.H[0].rows()));
   for (std::size_t k = 0; k < r.lines(); ++k) {
     const MatrixXcd mean = r.H[k] - rest[k];
-    for (Index j = -reach; j <= reach; ++j)
-      leak.row(static_cast<Index>(k)) +=
-          weight[j + reach] *
-          ((fine.beside(r.frequency[k], j) - mean).cwiseAbs2() * per_input).transpose();
+    for (Index j = -reach; j <= reach; ++j) {
+      const MatrixXcd beside = fine.beside(r.frequency[k], j) - mean;
+      leak[k] += weight[j + reach] * (beside * per_input.asDiagonal() * beside.adjoint());
+    }
   }
   return leak;
 }
@@ -93,19 +93,19 @@ double mean_by_median(std::vector<double> squares) {
 
 /// 1/K: mean square of the residual over `leak` at the tenth of the lines that have most of it.
 double per_block(const FrequencyResponses& r, const data::PerLine<MatrixXcd>& rest,
-                 const MatrixXd& leak) {
+                 const std::vector<MatrixXcd>& leak) {
   constexpr std::size_t fewest = 8, share = 10;
   std::vector<double> ratios;
-  for (Index o = 0; o < leak.cols(); ++o) {
+  for (Index o = 0; o < r.H[0].rows(); ++o) {
     std::vector<std::pair<double, std::size_t>> most;
     for (std::size_t k = 0; k < r.lines(); ++k)
-      most.emplace_back(leak(static_cast<Index>(k), o) / r.noise[k](o, o).real(), k);
+      most.emplace_back(leak[k](o, o).real() / r.noise[k](o, o).real(), k);
     std::ranges::sort(most, std::greater{});
     most.resize(std::min(most.size(), std::max(fewest, most.size() / share)));
     for (const auto& [by_noise, k] : most)
       for (Index i = 0; i < r.H[0].cols(); ++i)
         ratios.push_back(std::norm(rest[k](o, i)) /
-                         (r.input_factor[k](i, i).real() * leak(static_cast<Index>(k), o)));
+                         (r.input_factor[k](i, i).real() * leak[k](o, o).real()));
   }
   return mean_by_median(std::move(ratios));
 }
@@ -134,15 +134,15 @@ FrequencyResponses with_window(FrequencyResponses r, Window window) {
 
 void add_leakage(FrequencyResponses& r, const data::PerLine<MatrixXcd>& rest,
                  const ModalModel& model) {
-  const MatrixXd leak = leakage(r, rest, model);
+  const auto leak = leakage(r, rest, model);
   const double factor = per_block(r, rest, leak);
   std::vector<double> squares;
-  for (std::size_t k = 0; k < r.lines(); ++k)
-    for (Index o = 0; o < leak.cols(); ++o) {
-      r.noise[k](o, o) += factor * leak(static_cast<Index>(k), o);
-      for (Index i = 0; i < r.H[0].cols(); ++i)
+  for (std::size_t k = 0; k < r.lines(); ++k) {
+    r.noise[k] += factor * leak[k];
+    for (Index o = 0; o < r.H[k].rows(); ++o)
+      for (Index i = 0; i < r.H[k].cols(); ++i)
         squares.push_back(std::norm(rest[k](o, i)) / r.variance(k, o, i));
-    }
+  }
   // what is rough along frequency holds a part of it already
   const double twice = std::min(1.0, mean_by_median(std::move(squares)));
   for (auto& noise : r.noise) noise *= twice;

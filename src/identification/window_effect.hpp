@@ -8,7 +8,8 @@
 /// for one. With K blocks the response at f is also uncertain by what the window lets in from other
 /// frequencies ν,
 ///
-///     E|e_oi(f)|² = Q_ii/K Σ_j 1/Q_jj ∫ |W(f − ν)|² |H_oj(ν) − H̄_oj(f)|² dν / ∫ |W|² dν,
+///     E[e_oi e*_pi] = Q_ii/K Σ_j 1/Q_jj ∫ |W(f − ν)|² d_oj d*_pj dν / ∫ |W|² dν,
+///     d = H(ν) − H̄(f),
 ///
 /// with H̄ the averaged response and Q the input factor. Such errors are largest at resonances.
 /// They go on from line to line, so that what is rough along frequency shows little of them.
