@@ -162,6 +162,14 @@ TEST_F(Hardware, OfElectricCylindersIsMeasuredByItsMotors) {
   }
 }
 
+TEST_F(Hardware, OfTheOtherKindOfActuatorIsRefused) {
+  auto open_server = server();
+  open_server.once = false;
+  const Served served(open_server, fixed_steps(), {}, test::machine_of(test::screw_file));
+  hardware.connect = 0.3;
+  EXPECT_THAT(refused(served), HasSubstr("cylinders where the file has screws"));
+}
+
 TEST_F(Hardware, IsRampedDownAtALimit) {
   hardware.limits.velocity = 0.002;
   Served served(server());
