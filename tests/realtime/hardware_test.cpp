@@ -204,8 +204,25 @@ TEST_F(Hardware, ThatFallsSilentEndsTheRun) {
   });
   EXPECT_EQ(result.rig.summary.end, RunEnd::failed);
   EXPECT_THAT(result.rig.summary.message, HasSubstr("no sensors for"));
+  EXPECT_THAT(result.rig.summary.message, testing::EndsWith(" ms"));
   EXPECT_GT(result.rig.samples, 250);
   EXPECT_EQ(record().samples.rows(), result.rig.samples);
+}
+
+TEST_F(Hardware, ThatFollowsAnotherClientIsToldSo) {
+  hardware.watchdog = 1.2;
+  auto open_server = server();
+  open_server.once = false;
+  Served served(open_server);
+  auto other = TestClient::of(served);
+  Command stay;
+  stay.mode = static_cast<std::uint64_t>(Mode::pose);
+  stay.sequence = 1;
+  other.send(stay);
+  const auto result = run(served);
+  EXPECT_EQ(result.rig.summary.end, RunEnd::failed);
+  EXPECT_THAT(result.rig.summary.message, HasSubstr("no sensors for 12"));
+  EXPECT_THAT(result.rig.summary.message, HasSubstr(" ms; a machine that follows another client"));
 }
 
 TEST_F(Hardware, MustBeAtThePose) {
