@@ -270,6 +270,22 @@ Mechanism mechanism(const Machine& of_file, const Pose& X_BP, dynamics::ModelKin
   return result;
 }
 
+SingleSprings single_springs(const LegMechanism& leg) {
+  if (leg.coupled.empty()) return {leg.oil, leg.tilt};
+  SingleSprings springs{leg.oil, {}};
+  for (std::size_t i = 0; i < 2; ++i) springs.tilt[i].stiffness = leg.tilt_alone[i];
+  for (const auto& [along, spring] : leg.coupled) {
+    springs.slide.rest_force += along[0] * spring.rest_force;
+    springs.slide.damping += along[0] * along[0] * spring.damping;
+    for (std::size_t i = 0; i < 2; ++i) {
+      const double arm = along[static_cast<Eigen::Index>(1 + i)];
+      springs.tilt[i].rest_force += arm * spring.rest_force;
+      springs.tilt[i].damping += arm * arm * spring.damping;
+    }
+  }
+  return springs;
+}
+
 Principal principal(const Matrix3& inertia) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver{Eigen::MatrixXd(inertia)};
   Principal result{solver.eigenvectors(), solver.eigenvalues()};
@@ -348,7 +364,8 @@ MultibodyFile multibody_file(const Machine& machine, const Pose& X_BP, dynamics:
         {bent && !coupled ? Held::approximate : Held::exact, "seals, small motions at this pose",
          !bent     ? "two hinges at the piston with stiffness"
          : coupled ? "fixed tendons: the second-order potential about the bent rest"
-                   : "stiffness of each hinge alone; coupling of tilt and stroke is left out"});
+                   : "spring, damper and moment at rest of each hinge alone; coupling of tilt and "
+                     "stroke is left out"});
   if (kind != dynamics::ModelKind::rigid)
     parity.push_back({Held::approximate, "seals, large motions",
                       "the hinges keep the stiffness that they have at this pose"});

@@ -221,8 +221,8 @@ TEST_F(Hardware, ThatFollowsAnotherClientIsToldSo) {
   other.send(stay);
   const auto result = run(served);
   EXPECT_EQ(result.rig.summary.end, RunEnd::failed);
-  EXPECT_THAT(result.rig.summary.message, HasSubstr("no sensors for 12"));
-  EXPECT_THAT(result.rig.summary.message, HasSubstr(" ms; a machine that follows another client"));
+  EXPECT_THAT(result.rig.summary.message,
+              testing::ContainsRegex("no sensors for [0-9]+ ms; a machine that follows another"));
 }
 
 TEST_F(Hardware, MustBeAtThePose) {
