@@ -292,6 +292,9 @@ def refusals(model):
             (["--to", "npz", "--reduce", "4", "--system", "loop", "--sampled", "-o", "x.npz"], ["leave --sampled out"]),
             (["--to", "mjcf", "--reduce", "4", "-o", "x.xml"], ["--reduce", "state spaces"]),
             (["--to", "fmu2", "--inputs", "x", "-o", "x.fmu"], ["--inputs"]),
+            (["--to", "mjcf", "--point", "0,0,1", "-o", "x.xml"], ["--point 0,0,1", "with --to mjcf", "superelements"]),
+            (["--to", "npz", "--system", "plant", "--point", "0,0,1", "-o", "x.npz"], ["with --system plant"]),
+            (["--to", "npz", "--pade", "3", "-o", "x.npz"], ["--pade 3", "--system loop"]),
             (["--to", "npz", "--sample-time=-1", "-o", "x.npz"], ["--sample-time"])):
         err = run("export", model, *arguments, code=2).stderr
         for word in words:
