@@ -343,7 +343,8 @@ def random_machines(count):
     while made < count:
         path = os.path.join(folder.name, "random.toml")
         with open(path, "w") as file:
-            file.write(random_machine(generator, gravity=made % 2 == 1))
+            text = random_machine(generator, gravity=made % 2 == 1)
+            file.write(text.replace('"random"', r'"two\nlines"'))  # in one line of comments and headers
         if subprocess.run([program, "modes", path], capture_output=True).returncode != 0:
             continue  # it does not stand under its weight
         made += 1
