@@ -12,7 +12,8 @@ using exchange::Held;
 struct Arguments {
   MachineArguments machine{};
   std::string to{}, system{}, inputs{}, outputs{}, point{}, sample_time{}, output{};
-  int pade{simulation::default_pade_order}, leg_modes{-1}, reduce{};
+  std::optional<int> pade{};
+  int leg_modes{-1}, reduce{};
   bool sampled{}, approximate{};
 };
 
@@ -49,8 +50,20 @@ void refuse_idle_options(const Arguments& arguments, tasks::ExportFormat format)
     if (arguments.sampled) base::refuse("--sampled", to + what);
     if (arguments.reduce != 0) base::refuse("--reduce", to + what);
   }
-  if (arguments.leg_modes >= 0 && format != tasks::ExportFormat::matrix_market &&
-      format != tasks::ExportFormat::dmig)
+  const bool superelement =
+      format == tasks::ExportFormat::matrix_market || format == tasks::ExportFormat::dmig;
+  const bool of_mechanics =
+      is_state_space(format) && (arguments.system.empty() || arguments.system == "mechanics");
+  if (!arguments.point.empty() && !of_mechanics && !superelement)
+    base::refuse("--point " + arguments.point,
+                 (is_state_space(format) ? "with --system " + arguments.system : to) +
+                     " has no meaning: it is for state spaces of the mechanics and superelements");
+  if (arguments.pade &&
+      (!is_state_space(format) || arguments.system != "loop" || arguments.sampled))
+    base::refuse(fmt::format("--pade {}", *arguments.pade),
+                 "is the delay of the controller in a state space; expected --system loop without "
+                 "--sampled");
+  if (arguments.leg_modes >= 0 && !superelement)
     base::refuse("--leg-modes", to + " has no meaning: it is for superelements (mtx, dmig)");
   if (arguments.reduce != 0 && arguments.sampled)
     base::refuse("--reduce", "is for continuous systems; leave --sampled out");
@@ -81,7 +94,7 @@ tasks::ExportOptions options_of(const Arguments& arguments) {
   if (!arguments.system.empty())
     options.system = static_cast<exchange::SystemKind>(
         choose_word("--system", arguments.system, {"mechanics", "plant", "loop"}));
-  options.pade_order = arguments.pade;
+  options.pade_order = arguments.pade.value_or(options.pade_order);
   if (!arguments.sample_time.empty())
     options.sample_time = positive_quantity("--sample-time", arguments.sample_time, "s",
                                             "a time above 0, for instance \"1 ms\"");
@@ -136,8 +149,8 @@ void add_export(Command app) {
         "Discretise, inputs held over this time: s or with a unit"},
        {"--sampled", arguments.sampled,
         "The loop as it is sampled, exact, at the controller's sample time"},
-       {"--pade", arguments.pade, "Order of the approximation of the delay, 0 (no delay) to 8",
-        range(0, 8)},
+       {"--pade", arguments.pade,
+        "Order of the approximation of the delay, 0 (no delay) to 8; default: 2", range(0, 8)},
        {"--inputs", arguments.inputs, "Names of inputs, with commas; default: all"},
        {"--outputs", arguments.outputs, "Names of outputs, with commas; default: all"},
        {"--reduce", arguments.reduce,
