@@ -119,6 +119,55 @@ test('on paper all sections fit the width, and nothing is folded', async () => {
   });
 });
 
+/** Contrast of two CSS colours. */
+const contrast = (a, b) => {
+  const light = (colour) => {
+    const [red, green, blue] = colour.match(/[\d.]+/g).map((part) => {
+      const c = Number(part) / 255;
+      return c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4;
+    });
+    return 0.2126 * red + 0.7152 * green + 0.0722 * blue;
+  };
+  const [high, low] = [light(a), light(b)].sort((x, y) => y - x);
+  return (high + 0.05) / (low + 0.05);
+};
+
+test('paper is light, also of a dark page', async () => {
+  await withPage(report(...everything()), { ...still, colorScheme: 'dark', viewport: { width: 1400, height: 900 } }, async (page) => {
+    await calculated(page);
+    /** Most frequent colour of the lines of each diagram: that of its grid. */
+    const grids = () =>
+      page.evaluate(() =>
+        [...document.querySelectorAll('.uplot canvas')].filter((e) => e.width > 0).map((e) => {
+          const { data } = e.getContext('2d').getImageData(0, 0, e.width, e.height);
+          const counts = new Map();
+          for (let k = 0; k < data.length; k += 4)
+            if (data[k + 3] === 255) {
+              const colour = `rgb(${data[k]}, ${data[k + 1]}, ${data[k + 2]})`;
+              counts.set(colour, (counts.get(colour) ?? 0) + 1);
+            }
+          return [...counts].sort((a, b) => b[1] - a[1])[0]?.[0] ?? 'rgb(0, 0, 0)';
+        }),
+      );
+    for (const colour of await grids()) assert.ok(contrast(colour, 'rgb(0, 0, 0)') < 5, `on screen: ${colour}`);
+    await page.emulateMedia({ media: 'print', colorScheme: 'dark' });
+    await page.evaluate(() => dispatchEvent(new Event('beforeprint')));
+    for (const colour of await grids()) assert.ok(contrast(colour, 'rgb(255, 255, 255)') < 2, `on paper: ${colour}`);
+    const labels = await page.evaluate(() =>
+      [...document.querySelectorAll('.chart text, .stiffness text')].filter((e) => e.checkVisibility()).map((e) => getComputedStyle(e).fill),
+    );
+    assert.ok(labels.length > 10);
+    for (const colour of labels) assert.ok(contrast(colour, 'rgb(255, 255, 255)') >= 4.5, `label on paper: ${colour}`);
+    const useless = await page.evaluate(() =>
+      [...document.querySelectorAll('.how, .stabilisation select, .identified input')].filter((e) => e.checkVisibility()).map((e) => e.outerHTML),
+    );
+    assert.deepEqual(useless, [], 'nothing on paper says what to do with the page');
+    await page.emulateMedia({ media: 'screen', colorScheme: 'dark' });
+    await page.evaluate(() => dispatchEvent(new Event('afterprint')));
+    for (const colour of await grids()) assert.ok(contrast(colour, 'rgb(0, 0, 0)') < 5, `on screen again: ${colour}`);
+  });
+});
+
 test('a MAC matrix of many modes fits a phone', async () => {
   await withPage(report(...everything()), { ...still, viewport: { width: 360, height: 740 }, isMobile: true }, async (page) => {
     await page.evaluate(() => {
