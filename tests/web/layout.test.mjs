@@ -168,6 +168,24 @@ test('paper is light, also of a dark page', async () => {
   });
 });
 
+test('fields look alike in the dark, and what they suggest can be read', async () => {
+  await withPage(report(...everything()), { ...still, colorScheme: 'dark', viewport: { width: 1400, height: 900 } }, async (page) => {
+    await calculated(page);
+    const fields = await page.evaluate(() =>
+      [...document.querySelectorAll('input:not([type="range"], [type="checkbox"], [type="file"]), select')].filter((e) => e.checkVisibility()).map((e) => {
+        const { backgroundColor: back, color } = getComputedStyle(e);
+        return { name: e.dataset.control ?? e.id, back, color, hint: getComputedStyle(e, '::placeholder').color };
+      }),
+    );
+    assert.ok(fields.length > 10);
+    assert.deepEqual([...new Set(fields.map(({ back }) => back))].length, 1, JSON.stringify(fields));
+    for (const { name, back, color, hint } of fields) {
+      assert.ok(contrast(color, back) >= 4.5, `${name}: ${color} on ${back}`);
+      assert.ok(contrast(hint, back) >= 4.5, `hint of ${name}: ${hint} on ${back}`);
+    }
+  });
+});
+
 test('a MAC matrix of many modes fits a phone', async () => {
   await withPage(report(...everything()), { ...still, viewport: { width: 360, height: 740 }, isMobile: true }, async (page) => {
     await page.evaluate(() => {
