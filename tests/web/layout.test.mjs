@@ -3,7 +3,7 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { model, published, report, hydrapod, still, temporary, withPage } from './support.mjs';
 
-const widths = [360, 768, 1400, 2560];
+const widths = [360, 768, 1400, 2560, 3840];
 
 /** Sections that calculate have done so: their tables and diagrams have numbers. */
 const calculated = (page) =>
@@ -185,6 +185,56 @@ test('fields look alike in the dark, and what they suggest can be read', async (
     }
   });
 });
+
+const groupedBy = (list, key) => {
+  const groups = new Map();
+  for (const one of list) groups.set(key(one), [...(groups.get(key(one)) ?? []), one]);
+  return groups;
+};
+
+/** Boxes of the sections that are seen, in their order. */
+const boxes = (page) =>
+  page.evaluate(() =>
+    [...document.querySelectorAll('main > section')].filter((e) => e.checkVisibility()).map((e) => {
+      const { left, right, top, bottom } = e.getBoundingClientRect();
+      return { id: e.id, left, right, top: top + scrollY, bottom: bottom + scrollY };
+    }),
+  );
+
+/** The sections stand in this many columns, without gaps and overlaps. */
+async function standInColumns(page, number) {
+  const all = await boxes(page);
+  const columns = groupedBy(all, ({ left }) => Math.round(left));
+  assert.equal(columns.size, number);
+  for (const column of columns.values())
+    column.slice(1).forEach(({ id, top }, k) => {
+      const gap = top - column[k].bottom;
+      assert.ok(gap > 12 && gap < 18, `${gap} px between ${column[k].id} and ${id}`);
+    });
+  return all;
+}
+
+for (const [width, number] of [[2560, 2], [3840, 3]])
+  test(`a window of ${width} px: ${number} columns of sections from edge to edge, without gaps`, async () => {
+    await withPage(report(...everything()), { ...still, viewport: { width, height: 1400 } }, async (page) => {
+      await calculated(page);
+      const all = await standInColumns(page, number);
+      const used = Math.max(...all.map(({ right }) => right)) - Math.min(...all.map(({ left }) => left));
+      assert.ok(used > 0.97 * width, `${used} px of ${width} px are used`);
+      all.slice(1).forEach(({ id, top }, k) => assert.ok(top >= all[k].top - 4, `${id} does not stand above what comes before it`));
+      const lines = await page.evaluate(() => Math.max(...[...document.querySelectorAll('p')].map((e) => e.offsetWidth)));
+      assert.ok(lines < 1000, `lines of ${lines} px`);
+      await page.evaluate(() => document.querySelectorAll('details').forEach((part) => (part.open = !part.open)));
+      await page.waitForTimeout(200);
+      const later = await standInColumns(page, number);
+      assert.deepEqual(later.map(({ left }) => left), all.map(({ left }) => left), 'no section changes its column');
+      await page.setViewportSize({ width: 1400, height: 900 });
+      await page.waitForFunction(() => !document.querySelector('main').classList.contains('columns'));
+      const narrow = await boxes(page);
+      assert.equal(Math.min(...narrow.map(({ left }) => left)), narrow[0].left);
+      assert.ok(narrow.every(({ right }) => right <= 1400));
+    });
+  });
 
 test('a MAC matrix of many modes fits a phone', async () => {
   await withPage(report(...everything()), { ...still, viewport: { width: 360, height: 740 }, isMobile: true }, async (page) => {
