@@ -236,6 +236,31 @@ for (const [width, number] of [[2560, 2], [3840, 3]])
     });
   });
 
+test('no section ends with an empty part, and things that belong together stand side by side', async () => {
+  await withPage(report(...everything()), { ...still, viewport: { width: 1400, height: 900 } }, async (page) => {
+    await calculated(page);
+    const empty = await page.evaluate(() =>
+      [...document.querySelectorAll('main > section')].filter((e) => e.checkVisibility()).flatMap((section) => {
+        const parts = [...section.querySelectorAll('p, table, figure, pre, button, svg, canvas, li, input')].filter((e) => e.checkVisibility());
+        const end = Math.max(...parts.map((e) => e.getBoundingClientRect().bottom));
+        const left = section.getBoundingClientRect().bottom - end;
+        return left > 45 && !['mechanism', 'modes'].includes(section.id) ? [`${section.id}: ${left} px`] : [];
+      }),
+    );
+    assert.deepEqual(empty, []);
+    const box = (selector) => page.locator(selector).first().boundingBox();
+    const [machine, signals] = [await box('.run .machine'), await box('.histories')];
+    assert.ok(machine.x + machine.width < signals.x && Math.abs(machine.y - signals.y) < 60, 'the machine beside its signals');
+    const tops = await page.locator('.histories .uplot').evaluateAll((all) => all.map((e) => Math.round(e.getBoundingClientRect().top)));
+    const rows = [...groupedBy(tops, (top) => top).values()].map((row) => row.length);
+    assert.equal(new Set(rows).size, 1, `rows of diagrams: ${rows}`);
+    const [legs, abilities] = [await box('.check-legs'), await box('.abilities')];
+    assert.ok(legs.x + legs.width < abilities.x, 'what the machine can do beside the legs at rest');
+    const [chooser, values] = [await box('.chooser'), await box('.readout')];
+    assert.ok(values.y > chooser.y && values.x < chooser.x + chooser.width, 'the values at the cursor below the chooser');
+  });
+});
+
 test('a MAC matrix of many modes fits a phone', async () => {
   await withPage(report(...everything()), { ...still, viewport: { width: 360, height: 740 }, isMobile: true }, async (page) => {
     await page.evaluate(() => {
