@@ -1,5 +1,6 @@
 // Every kind of section at every width: nothing is cut, overlaps or leaves the window.
 import assert from 'node:assert/strict';
+import { writeFileSync } from 'node:fs';
 import { test } from 'node:test';
 import { model, published, report, hydrapod, still, temporary, withPage } from './support.mjs';
 
@@ -258,6 +259,45 @@ test('no section ends with an empty part, and things that belong together stand 
     assert.ok(legs.x + legs.width < abilities.x, 'what the machine can do beside the legs at rest');
     const [chooser, values] = [await box('.chooser'), await box('.readout')];
     assert.ok(values.y > chooser.y && values.x < chooser.x + chooser.width, 'the values at the cursor below the chooser');
+  });
+});
+
+/** A machine with turned neutral pose on plain struts. */
+function struts() {
+  const file = temporary('struts.toml');
+  writeFileSync(
+    file,
+    `name = "Strut platform"
+[base.joints]
+circle = { radius = 1.137, spacing = 0.263 }
+[platform.joints]
+circle = { radius = 0.811, spacing = 0.247 }
+[platform]
+mass = 1387.3
+mass_center = [0.013, -0.021, 0.187]
+inertia = { xx = 431.7, yy = 517.9, zz = 763.1 }
+[poses.neutral]
+position = [0.031, -0.017, 1.393]
+rotation = [0.03, -0.05, 0.02]
+[legs.strut]
+stiffness = "17.3 kN/mm"
+damping = "2.7 kN s/m"
+`,
+  );
+  return file;
+}
+
+test('a machine without flexible legs has no columns and keys for them; its turned neutral pose is the neutral one', async () => {
+  await withPage(report(struts()), { ...still, viewport: { width: 1400, height: 900 } }, async (page) => {
+    await calculated(page);
+    assert.deepEqual(await page.locator('.what-if-results thead th').allTextContents(), ['Direction', 'Rigid legs, Hz', 'A, Hz', 'B − A']);
+    assert.deepEqual(await page.locator('#what-if .legend li').allTextContents(), ['B, rigid legs', 'A, rigid legs']);
+    assert.deepEqual(await page.locator('#modes .legend li').allTextContents(), ['x', 'y', 'z', 'rx', 'ry', 'rz', 'struts']);
+    assert.match(await page.locator('.workspace-words').textContent(), /^At the neutral pose: /);
+    assert.doesNotMatch(await page.evaluate(() => window.hydrapod.workspace.command()), /e-\d\d deg/);
+    const [machine, modes] = [await page.locator('#mechanism').boundingBox(), await page.locator('#modes').boundingBox()];
+    assert.ok(modes.height >= machine.height - 1, 'no hole below a short table');
+    assert.deepEqual(await faults(page), []);
   });
 });
 
