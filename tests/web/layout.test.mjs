@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import { writeFileSync } from 'node:fs';
 import { test } from 'node:test';
-import { model, published, report, hydrapod, still, temporary, withPage } from './support.mjs';
+import { damped, model, published, report, hydrapod, still, temporary, withPage } from './support.mjs';
 
 const widths = [360, 768, 1400, 2560, 3840];
 
@@ -298,6 +298,26 @@ test('a machine without flexible legs has no columns and keys for them; its turn
     const [machine, modes] = [await page.locator('#mechanism').boundingBox(), await page.locator('#modes').boundingBox()];
     assert.ok(modes.height >= machine.height - 1, 'no hole below a short table');
     assert.deepEqual(await faults(page), []);
+  });
+});
+
+test('the machine stays in sight beside thirty modes, and values stand beside their sliders', async () => {
+  await withPage(report(...damped), { ...still, viewport: { width: 1400, height: 900 } }, async (page) => {
+    await calculated(page);
+    const last = page.locator('#modes tbody tr').last();
+    await last.evaluate((e) => e.scrollIntoView({ block: 'end', behavior: 'instant' }));
+    const { y, height } = await page.locator('#mechanism .machine').boundingBox();
+    assert.ok(y >= 0 && y + height <= 900, `from ${y} to ${y + height} px`);
+    await page.locator('#what-if').evaluate((e) => e.scrollIntoView({ behavior: 'instant' }));
+    const ends = await page.locator('.in-sight').evaluate((e) => e.getBoundingClientRect().bottom);
+    assert.ok(ends <= (await page.locator('#what-if').boundingBox()).y, 'it does not cover what follows');
+    for (const width of [1400, 1920]) {
+      await page.setViewportSize({ width, height: 900 });
+      const below = await page.evaluate(() =>
+        [...document.querySelectorAll('.slider')].filter((e) => e.checkVisibility() && e.querySelector('output').getBoundingClientRect().top > e.querySelector('input').getBoundingClientRect().bottom).map((e) => e.textContent),
+      );
+      assert.deepEqual(below, [], `${width} px`);
+    }
   });
 });
 
