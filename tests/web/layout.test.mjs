@@ -151,9 +151,13 @@ test('paper is light, also of a dark page', async () => {
         }),
       );
     for (const colour of await grids()) assert.ok(contrast(colour, 'rgb(0, 0, 0)') < 5, `on screen: ${colour}`);
+    const open = await page.locator('details[open]').count();
+    const keys = () => page.locator('.run .legend .line').evaluateAll((all) => all.slice(0, 2).map((e) => getComputedStyle(e).borderTopColor));
+    const dark = await keys();
     await page.emulateMedia({ media: 'print', colorScheme: 'dark' });
     await page.evaluate(() => dispatchEvent(new Event('beforeprint')));
     for (const colour of await grids()) assert.ok(contrast(colour, 'rgb(255, 255, 255)') < 2, `on paper: ${colour}`);
+    for (const colour of await keys()) assert.ok(!dark.includes(colour), `key on paper: ${colour}`);
     const labels = await page.evaluate(() =>
       [...document.querySelectorAll('.chart text, .stiffness text')].filter((e) => e.checkVisibility()).map((e) => getComputedStyle(e).fill),
     );
@@ -166,6 +170,8 @@ test('paper is light, also of a dark page', async () => {
     await page.emulateMedia({ media: 'screen', colorScheme: 'dark' });
     await page.evaluate(() => dispatchEvent(new Event('afterprint')));
     for (const colour of await grids()) assert.ok(contrast(colour, 'rgb(0, 0, 0)') < 5, `on screen again: ${colour}`);
+    assert.deepEqual(await keys(), dark);
+    assert.equal(await page.locator('details[open]').count(), open, 'what was folded is folded again');
   });
 });
 

@@ -16,12 +16,17 @@ function start(): void {
   showCoreFailures(host);
   // before the listeners of the diagrams: those that are drawn anew get the width of the paper afterwards
   const turn = (paper: boolean) => setPaper(paper) && state.tell('theme');
+  let folded: HTMLDetailsElement[] = [];
+  const unfold = (open: boolean) => folded.forEach((part) => (part.open = open));
   addEventListener('beforeprint', () => {
     turn(true);
-    // on paper nothing is folded
-    for (const part of host.querySelectorAll('details')) part.open = true;
+    folded = [...host.querySelectorAll<HTMLDetailsElement>('details:not([open])')]; // on paper nothing is
+    unfold(true);
   });
-  addEventListener('afterprint', () => turn(false));
+  addEventListener('afterprint', () => {
+    turn(false);
+    unfold(false);
+  });
   renderSections(state, host);
 }
 

@@ -184,6 +184,7 @@ function render(state: State, host: HTMLElement): void {
     player.setPlaying(false);
     player.show(index);
   };
+  const keys = legend();
   host.append(
     html('p', {}, `${run.commands.join('; ')}, from pose ${run.pose}. ${run.summary}`),
     html(
@@ -194,7 +195,7 @@ function render(state: State, host: HTMLElement): void {
         { class: 'run-machine' },
         html('div', { class: 'stage single' }, view.element),
         controls(player, run.trace.time_s, histories),
-        legend(),
+        keys,
         html(
           'p',
           { class: 'note' },
@@ -216,6 +217,7 @@ function render(state: State, host: HTMLElement): void {
     view.recolour();
     player.refresh();
     histories.make();
+    keys.replaceChildren(...legend().children);
   });
   offerHook(player, view, run.trace.time_s, histories);
   player.refresh();
