@@ -30,7 +30,8 @@ async function bundle(entry, plugins = []) {
     plugins,
     logLevel: 'warning',
   });
-  return result.outputFiles[0].text;
+  // lines begin only in the texts of shaders, which need no indentation
+  return result.outputFiles[0].text.replace(/\n\t+/g, '\n');
 }
 
 // The worker is a script of its own inside the page's script.
@@ -54,7 +55,7 @@ async function moduleOf(file) {
 const { toBase85 } = await moduleOf('core/base85.ts');
 
 // The library's mechanics, compiled from web/core (see there), packed for its way.
-const core = () => toBase85(gzipSync(readFileSync(join(source, '..', 'core', 'hydrapod.wasm')), { level: 9 }));
+const core = () => toBase85(gzipSync(readFileSync(join(source, '..', 'core', 'hydrapod.wasm')), { level: 9, memLevel: 7 }));
 
 // The licences ask that their notices stay with what is passed on.
 function notices() {

@@ -33,7 +33,7 @@ const kinds = (record, comparison) => [
   { name: 'compared', words: ['models/zhang-jiang-2021.toml', '--compare', comparison] },
   { name: 'everything', words: ['models/zhang-jiang-2021.toml', '--command', 'step z=5 mm', '--measured', record, '--diagnose', record, '--compare', comparison] },
 ];
-const widths = [360, 768, 1400, 2560];
+const widths = [360, 768, 1400, 2560, 3840];
 /** Chromium repeats the top of pictures that are much taller [px]. */
 const most = 4000;
 

@@ -296,6 +296,7 @@ test('a value is typed with a unit; an unknown one and an impossible one are ref
     await field.fill('3 furlong');
     await field.press('Enter');
     assert.match(await row.innerText(), /unknown unit “furlong”; accepted: .*N\/mm/);
+    assert.equal(await field.getAttribute('aria-invalid'), 'true');
     await field.fill('stiff');
     await field.press('Enter');
     assert.match(await row.innerText(), /“stiff” is not a number/);

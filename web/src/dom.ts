@@ -143,6 +143,9 @@ export function onNewWidth(element: Element, act: () => void): void {
   }).observe(element);
 }
 
+/** What to do with the page: nothing for paper. */
+export const how = (words: string): HTMLElement => html('span', { class: 'how' }, words);
+
 /** Offers `content` as a file, made here and now. */
 export function download(name: string, content: Blob): void {
   const url = URL.createObjectURL(content);

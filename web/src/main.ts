@@ -3,7 +3,7 @@
 import type { Report } from './document';
 import { showCoreFailures } from './core/shared';
 import { html } from './dom';
-import { onSystemTheme } from './palette';
+import { onSystemTheme, setPaper } from './palette';
 import { renderSections } from './sections/registry';
 import { State } from './state';
 
@@ -14,11 +14,20 @@ function start(): void {
   window.hydrapod = { report, state };
   onSystemTheme(() => state.tell('theme'));
   showCoreFailures(host);
-  renderSections(state, host);
-  // on paper nothing is folded
+  // before the listeners of the diagrams: those that are drawn anew get the width of the paper afterwards
+  const turn = (paper: boolean) => setPaper(paper) && state.tell('theme');
+  let folded: HTMLDetailsElement[] = [];
+  const unfold = (open: boolean) => folded.forEach((part) => (part.open = open));
   addEventListener('beforeprint', () => {
-    for (const part of host.querySelectorAll('details')) part.open = true;
+    turn(true);
+    folded = [...host.querySelectorAll<HTMLDetailsElement>('details:not([open])')]; // on paper nothing is
+    unfold(true);
   });
+  addEventListener('afterprint', () => {
+    turn(false);
+    unfold(false);
+  });
+  renderSections(state, host);
 }
 
 try {

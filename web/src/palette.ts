@@ -55,7 +55,17 @@ export const theme = (): Theme => (document.documentElement.dataset['theme'] ?? 
 
 const systemIsDark = matchMedia('(prefers-color-scheme: dark)');
 
+let onPaper = false;
+
+/** Paper is light. Returns whether this changes the colours. */
+export function setPaper(paper: boolean): boolean {
+  const before = isDark();
+  onPaper = paper;
+  return isDark() !== before;
+}
+
 export function isDark(): boolean {
+  if (onPaper) return false;
   return theme() === 'dark' || (theme() === 'auto' && systemIsDark.matches);
 }
 

@@ -30,9 +30,14 @@ const paper = 680;
 
 /** The diagrams in `element` have its width, or on paper that of the paper. */
 export function followWidth(element: HTMLElement, plots: () => uPlot[]): void {
-  new ResizeObserver(() => fitWidth(plots(), widthIn(element))).observe(element);
-  addEventListener('beforeprint', () => fitWidth(plots(), paper));
-  addEventListener('afterprint', () => fitWidth(plots(), widthIn(element)));
+  let printed = false;
+  const fit = () => fitWidth(plots(), printed ? paper : widthIn(element));
+  new ResizeObserver(fit).observe(element);
+  for (const event of ['beforeprint', 'afterprint'])
+    addEventListener(event, () => {
+      printed = event === 'beforeprint';
+      fit();
+    });
 }
 
 export class DiagramStack {

@@ -3,7 +3,7 @@
 import { overlaidMagnitudes, type OverlayLine } from '../bode/overlay';
 import { DiagramStack } from '../bode/stack';
 import type { Diagnosis, DiagnosedMode, Hypothesis, ResponseOverlay } from '../document';
-import { button, html, select } from '../dom';
+import { button, how, html, select } from '../dom';
 import { fixed, halfWidth95, hertz, signedPercent } from '../numbers';
 import { palette } from '../palette';
 import { numeric, scroller, tableHead } from '../table';
@@ -77,7 +77,10 @@ export class Prediction {
     this.directions.forEach((b, k) => b.setAttribute('aria-pressed', String(k === this.curve)));
     this.drawResponse();
     this.drawModes();
-    this.note.textContent = this.words();
+    this.note.replaceChildren(
+      `${this.words()} `,
+      this.overlays.length > 0 ? how('Drag across the diagram to zoom, double-click for the whole range.') : '',
+    );
   }
 
   /** Values of a hypothesis; null: there are none. */
@@ -118,7 +121,6 @@ export class Prediction {
           'The gains of valves and controllers are not known. Each prediction is multiplied by one factor over all frequencies: compare the frequencies of the peaks, not their heights.',
         );
       if (!this.predicted(this.hypothesis)) lines.push('The response of this hypothesis cannot be computed; its resonances are below.');
-      lines.push('Drag across the diagram to zoom, double-click for the whole range.');
     }
     lines.push('Filled circle: measured, with its 95 % interval. Open diamond: predicted. Vertical line: nominal machine.');
     return lines.join(' ');

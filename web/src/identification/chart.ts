@@ -50,7 +50,7 @@ export class Chart {
   /** The mark whose shape is shown. */
   private selected: ChartPole | null = null;
   readonly element = html('div', { class: 'chart' });
-  private readonly readout = html('p', { class: 'note', 'aria-live': 'polite' });
+  private readonly readout = html('p', { class: 'note how', 'aria-live': 'polite' });
   private marks: Mark[] = [];
   private picture: SVGSVGElement = svg('svg');
   private width = 0;

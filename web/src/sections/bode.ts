@@ -78,8 +78,8 @@ class BodeSection {
         this.legend(),
         this.plot.element,
         this.tools(),
-        this.readout,
       ),
+      this.readout,
     );
     this.note.textContent = 'The curves are calculated …';
     host.append(this.note, this.print);

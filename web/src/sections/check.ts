@@ -76,8 +76,12 @@ function parts(state: State): HTMLElement[] {
     ...other,
     ...(pose.warnings.length > 0 ? [html('ul', { class: 'check-warnings' }, ...pose.warnings.map((text) => html('li', {}, text)))] : []),
     html('p', {}, facts(pose)),
-    scroller('Legs at rest', legTable(pose)),
-    ...(pose.capability ? capability(pose) : unable(pose)),
+    html(
+      'div',
+      { class: 'check-parts' },
+      scroller('Legs at rest', legTable(pose)),
+      html('div', { class: 'check-abilities' }, ...(pose.capability ? capability(pose) : unable(pose))),
+    ),
     ...(found.simulation_assumptions.length > 0
       ? [html('details', {}, html('summary', {}, 'Assumed values'), html('ul', {}, ...found.simulation_assumptions.map(({ key, text }) => html('li', {}, html('code', {}, key), `: ${text}`))))]
       : []),
@@ -166,8 +170,8 @@ const short = (value: number): string => significant(value, 3);
 
 /** Bars along the axis to the right, against it to the left, as shares of the longest of three. */
 function abilityPicture({ ability, title, units }: Axis, rows: NonNullable<PoseCheck['capability']>['directions']): HTMLElement {
-  const [width, line, top] = [330, 26, 30];
-  const [middle, longest] = [width / 2 + 10, 80];
+  const [width, line, top] = [300, 26, 30];
+  const [middle, longest] = [width / 2 + 10, 72];
   const height = top + 6 * line + 6;
   const most = [0, 3].map((first) => Math.max(...rows.slice(first, first + 3).flatMap((row) => row[ability].map(({ value }) => Math.abs(value))), Number.MIN_VALUE));
   const bar = (reach: Reach, d: number, sense: 1 | -1) => {

@@ -5,7 +5,7 @@ import uPlot from 'uplot';
 import { overlaidMagnitudes, overlaidPhases, type Overlay, type OverlayLine } from '../bode/overlay';
 import { DiagramStack } from '../bode/stack';
 import type { ComparedThing, SideBySide, TestedDifference } from '../document';
-import { controlRow, html, select } from '../dom';
+import { controlRow, how, html, select } from '../dom';
 import { magnitude, phase } from '../complex';
 import { fixed, halfWidth95, withInterval } from '../numbers';
 import { palette } from '../palette';
@@ -206,7 +206,7 @@ class Responses {
       controlRow(select('Response', names, (k) => this.choose(names[k]), 'compared-response')),
       this.plots.element,
       this.legend,
-      html('p', { class: 'note' }, 'Magnitudes are lines, phases are points. Drag across a diagram to zoom, double-click for the whole range.'),
+      html('p', { class: 'note' }, 'Magnitudes are lines, phases are points. ', how('Drag across a diagram to zoom, double-click for the whole range.')),
     ];
   }
 

@@ -11,7 +11,7 @@ import { isOfWholeRecord, programFit, whyNoRefit } from '../identification/progr
 import { comparisonTable, macTable, PoleTable } from '../identification/tables';
 import type { ChartPole, Identification, Pole, Vector } from '../identification/types';
 import { coreFailure, sharedCore } from '../core/shared';
-import { button, controlRow, html, identifier, select, svg } from '../dom';
+import { button, controlRow, how, html, identifier, select, svg } from '../dom';
 import { fixed, hertz, signedPercent, withInterval } from '../numbers';
 import { palette } from '../palette';
 import type { State } from '../state';
@@ -139,7 +139,7 @@ class IdentificationSection {
       html('h3', {}, 'Response and fit'),
       controlRow(output, input),
       this.plots.element,
-      html('p', { class: 'note' }, this.fitNote()),
+      html('p', { class: 'note' }, this.fitNote(), how('Drag across a diagram to zoom, double-click for the whole range.')),
       ...(data.modes.length > 0 ? [html('h3', {}, 'MAC of the shapes'), this.macHost] : []),
       ...(data.comparison ? [comparisonTable(data, data.comparison)] : []),
     ];
@@ -151,11 +151,10 @@ class IdentificationSection {
   }
 
   private fitNote(): string {
-    const zoom = 'Drag across a diagram to zoom, double-click for the whole range.';
     if (!this.fitter)
       return (
         'Solid, for phases points: parametric model of the record, with its 95 % band; dashed: sum of the identified modes and of the ' +
-        `residual terms. ${zoom}`
+        `residual terms. `
       );
     const shift = this.data.responses.shift_per_s;
     const window = this.data.taper
@@ -165,7 +164,7 @@ class IdentificationSection {
         : '';
     return (
       `Solid, for phases points: measured, with its 95 % band where errors are known; dashed: fit of the poles that are ` +
-      `switched on${window}. ${zoom}`
+      `switched on${window}. `
     );
   }
 

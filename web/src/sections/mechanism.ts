@@ -28,10 +28,11 @@ function render(state: State, host: HTMLElement): void {
   const heads = html('div', { class: 'viewport-heads' });
   const caption = html('p', { class: 'caption', 'aria-live': 'polite' });
   const stage = html('div', { class: 'stage' }, heads, view.element);
-  host.append(stage, controls(player, view, state), caption);
+  const parts = html('div', { class: 'in-sight' }, stage, controls(player, view, state), caption);
   if (view.kind === 'svg')
-    host.append(html('p', { class: 'note', role: 'note' }, 'This browser has no WebGL. The drawing is flat.'));
-  host.append(legendOfParts(state.pose));
+    parts.append(html('p', { class: 'note', role: 'note' }, 'This browser has no WebGL. The drawing is flat.'));
+  parts.append(legendOfParts(state.pose));
+  host.append(parts);
 
   const show = () => {
     const { pose, mode } = state;

@@ -254,21 +254,24 @@ class ModeTable {
 function render(state: State, host: HTMLElement): void {
   new ModeTable(state, host);
   const sample = state.pose.modes[0];
-  const rings = state.pose.model === 'full';
+  const { model } = state.pose;
+  const isThere = ({ kind }: { kind: string }) => (kind === 'ring' ? model === 'full' : kind !== 'sleeve' || model !== 'rigid');
   if (sample)
     host.append(
       html(
         'div',
         { class: 'legend-line' },
-        legend(motionParts(sample)),
-        legend(energyParts(sample.strain_energy).filter((part) => part.kind !== 'ring' || rings)),
+        legend(motionParts(sample).filter(({ kind }) => kind !== 'legs' || model !== 'rigid')),
+        legend(energyParts(sample.strain_energy).filter(isThere)),
       ),
     );
   host.append(
     html(
       'p',
       { class: 'note' },
-      '= marks modes of equal frequency: any combination of them is a mode. Shift and MAC compare with the most similar mode with rigid legs. The elastic energy of oil, struts or screws includes compliant gimbals in series and sticking cylinder seals in parallel.',
+      '= marks modes of equal frequency: any combination of them is a mode. ',
+      model === 'rigid' ? '' : 'Shift and MAC compare with the most similar mode with rigid legs. ',
+      'The elastic energy of oil, struts or screws includes compliant gimbals in series and sticking cylinder seals in parallel.',
     ),
   );
 }

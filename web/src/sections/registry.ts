@@ -1,6 +1,7 @@
 // The sections of the page, in their order. A section is shown where the document contains its
 // data. A new kind of result needs one more line here.
 
+import { placeInColumns } from '../columns';
 import { html } from '../dom';
 import type { State } from '../state';
 import { about } from './about';
@@ -49,4 +50,5 @@ export function renderSections(state: State, page: HTMLElement): void {
     main.append(host);
     section.render(state, host);
   }
+  placeInColumns(main);
 }

@@ -1,7 +1,7 @@
 // A simulated run: the platform moving along its path in 3D, and what happened over time.
 
 import type { Simulation, Vector } from '../document';
-import { controlRow, html, slider } from '../dom';
+import { controlRow, how, html, slider } from '../dom';
 import { movedMachine } from '../scene/moved_machine';
 import { fixed } from '../numbers';
 import { palette } from '../palette';
@@ -106,15 +106,16 @@ function visibleExaggeration(run: Simulation): number {
 }
 
 function legend(): HTMLElement {
-  const item = (colour: string, text: string) => {
-    const swatch = html('i', { class: 'swatch' });
-    swatch.style.background = colour;
-    return html('li', {}, swatch, text);
+  const item = (colour: string, text: string, dashed = false) => {
+    const line = html('i', { class: 'line' });
+    line.style.borderColor = colour;
+    if (dashed) line.style.borderTopStyle = 'dashed';
+    return html('li', {}, line, text);
   };
   return html(
     'ul',
     { class: 'legend' },
-    item(palette().rigid, 'commanded (dashed)'),
+    item(palette().rigid, 'commanded', true),
     item(palette().flexible, 'platform'),
     ...legColours.map((colour, i) => item(colour, `leg ${i + 1}`)),
   );
@@ -183,17 +184,29 @@ function render(state: State, host: HTMLElement): void {
     player.setPlaying(false);
     player.show(index);
   };
+  const keys = legend();
   host.append(
     html('p', {}, `${run.commands.join('; ')}, from pose ${run.pose}. ${run.summary}`),
-    html('div', { class: 'stage single' }, view.element),
-    controls(player, run.trace.time_s, histories),
-    histories.element,
-    legend(),
     html(
-      'p',
-      { class: 'note' },
-      'Motion is relative to the initial pose. Drag across a diagram to zoom all of them, double-click for the whole run, ' +
-        'click to show the machine at this time. The vertical line is the time at which the machine is shown. Legs are drawn straight.',
+      'div',
+      { class: 'run' },
+      html(
+        'div',
+        { class: 'run-machine' },
+        html('div', { class: 'stage single' }, view.element),
+        controls(player, run.trace.time_s, histories),
+        keys,
+        html(
+          'p',
+          { class: 'note' },
+          'Motion is relative to the initial pose. ',
+          how(
+            'Drag across a diagram to zoom all of them, double-click for the whole run, click to show the machine at this time. ' +
+              'The vertical line is the time at which the machine is shown. Legs are drawn straight.',
+          ),
+        ),
+      ),
+      histories.element,
     ),
   );
   new IntersectionObserver((entries) => {
@@ -204,6 +217,7 @@ function render(state: State, host: HTMLElement): void {
     view.recolour();
     player.refresh();
     histories.make();
+    keys.replaceChildren(...legend().children);
   });
   offerHook(player, view, run.trace.time_s, histories);
   player.refresh();

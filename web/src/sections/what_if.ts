@@ -82,7 +82,7 @@ class WhatIf {
           this.buckling,
           this.directionChooser(),
           this.plot.element,
-          legend(),
+          legend(this.state.pose.model),
           html('p', { class: 'note' }, 'The command that computes B:'),
           this.commandLine,
         ),
@@ -351,7 +351,9 @@ function grid(pose: PoseReport): Float64Array {
   return Float64Array.from({ length: lineCount }, (_, k) => from * (to / from) ** (k / (lineCount - 1)));
 }
 
-function legend(): HTMLElement {
+function legend(model: PoseReport['model']): HTMLElement {
   const item = (kind: string, text: string) => html('li', {}, html('i', { class: `line line-${kind}` }), text);
-  return html('ul', { class: 'legend' }, item('flexible', 'B, flexible legs'), item('before', 'A, flexible legs'), item('rigid', 'B, rigid legs'));
+  const legs = model === 'rigid' ? 'rigid legs' : 'flexible legs';
+  const rigid = model === 'rigid' ? [] : [item('rigid', 'B, rigid legs')];
+  return html('ul', { class: 'legend' }, item('flexible', `B, ${legs}`), item('before', `A, ${legs}`), ...rigid);
 }

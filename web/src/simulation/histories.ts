@@ -136,7 +136,9 @@ export class Histories {
 
   private width(): number {
     const room = this.grid.clientWidth || 900;
-    const columns = Math.max(1, Math.floor(room / 330));
+    const number = this.diagrams.length;
+    let columns = Math.max(1, Math.min(number, Math.floor(room / 240)));
+    while (number % columns > 0) --columns; // no row is shorter than the others
     return Math.floor(room / columns) - 8;
   }
 

@@ -46,7 +46,7 @@ class Row {
       'data-field': path,
     });
     this.field.addEventListener('change', () => this.typed());
-    this.field.addEventListener('input', () => this.problem.replaceChildren());
+    this.field.addEventListener('input', () => this.tell(''));
     this.back = button('↺', () => edits.reset(path), {
       class: 'quiet reset',
       'aria-label': `Reset ${path} to ${quantity(parameter.value, unit)}`,
@@ -83,8 +83,13 @@ class Row {
 
   private typed(): void {
     const result = read(this.field.value, this.editable, this.parameter);
-    if ('problem' in result) this.problem.replaceChildren(result.problem);
+    if ('problem' in result) this.tell(result.problem);
     else this.edits.set(this.parameter.path, result.value);
+  }
+
+  private tell(problem: string): void {
+    this.problem.textContent = problem;
+    this.field.setAttribute('aria-invalid', String(problem !== ''));
   }
 
   /** As the edits have it. */
@@ -93,7 +98,7 @@ class Row {
     const value = this.edits.values.get(parameter.path) ?? parameter.value;
     const unit = unitOf(this.editable, parameter);
     this.field.value = inUnit(value, unit);
-    this.problem.replaceChildren();
+    this.tell('');
     const changed = this.edits.values.has(parameter.path);
     this.element.classList.toggle('changed', changed);
     this.back.disabled = !changed;

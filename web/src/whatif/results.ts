@@ -49,7 +49,8 @@ const changeText = (now: number | undefined, before: number | undefined): string
 
 /** Rows of B's rigid modes; A's are those of the same direction and place. */
 export function resultTable(a: PoseReport | null, b: PoseReport | null): HTMLElement {
-  const head = ['Direction', 'Rigid legs, Hz', 'Flexible legs, Hz', 'MAC', 'Shift by the seals', 'A, Hz', 'B − A'];
+  const flexible = (b ?? a)?.model !== 'rigid';
+  const head = ['Direction', 'Rigid legs, Hz', ...(flexible ? ['Flexible legs, Hz', 'MAC', 'Shift by the seals'] : []), 'A, Hz', 'B − A'];
   const rows = (b ?? a) ? lines((b ?? a) as PoseReport) : [];
   const before = a ? lines(a) : [];
   const twin = (line: Line, k: number): Line | undefined => {
@@ -71,10 +72,8 @@ export function resultTable(a: PoseReport | null, b: PoseReport | null): HTMLEle
           'tr',
           {},
           html('th', { scope: 'row' }, line.direction),
-          cell(b ? hertz(line.rigid) : '–'),
-          cell(frequencyText(now)),
-          cell(macText(now)),
-          cell(changeText(frequencyOf(now), line.rigid)),
+          cell(b ? (flexible ? hertz(line.rigid) : frequencyText(now)) : '–'),
+          ...(flexible ? [cell(frequencyText(now)), cell(macText(now)), cell(changeText(frequencyOf(now), line.rigid))] : []),
           cell(frequencyText(then)),
           cell(changeText(frequencyOf(now), frequencyOf(then))),
         );

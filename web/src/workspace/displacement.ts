@@ -5,6 +5,7 @@ import type { Editable, Place } from '../document';
 /** Where a pose of the report is, as a displacement from the neutral one [m, rad]. */
 export function displacementOf(editable: Editable, pose: number): number[] {
   const shown = editable.shown[pose]!;
+  if (shown.of === 0) return Array(6).fill(0); // without the rounding of a product of rotations
   const neutral = editable.poses[0]!;
   const place: Place = shown.of === null ? shown : editable.poses[shown.of]!;
   const turn = (i: number, j: number): number =>
