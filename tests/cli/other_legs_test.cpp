@@ -154,6 +154,16 @@ TEST_F(OtherLegs, ModesOfScrewsAreOfHeldOrOfFreeMotors) {
                                 Not(HasSubstr("locked motors"))));
 }
 
+/// Seals without dampers, on a machine so symmetric that nothing else damps them either: whether
+/// rounding leaves them a real part above or below zero says nothing.
+TEST_F(OtherLegs, SealsThatNothingDampsAreNotUnstable) {
+  const auto result =
+      run({"modes", "screws.toml", "--system", "--pose", "up", "--set",
+           "platform.mass_center=[0, 0, 0]", "--set", "platform.inertia={xx=430, yy=430, zz=700}"});
+  EXPECT_THAT(result.out,
+              HasSubstr("\nstable: nothing grows, and nothing damps the oscillation at "));
+}
+
 TEST_F(OtherLegs, ScrewsAreSimulatedWithTheirDrives) {
   const auto step = run(
       {"simulate", "screws.toml", "--command", "step z=2 mm", "--until", "0.8", "-o", "step.csv"});
