@@ -57,6 +57,19 @@ Diagnosis diagnosis_of(const observation::Targets& targets) {
   return diagnose(file, targets, ModelKind::guide, file.machine.poses);
 }
 
+/// The seals that the rigid-leg model has are beyond any measurement: their modes are no
+/// prediction.
+TEST(Diagnose, RigidSealsPredictNoMode) {
+  const auto d = of({"legs.guide_sleeve.stiffness=0.6 kN/mm"});
+  int rigid = 0;
+  for (const auto& e : d.hypotheses) {
+    if (!e.rigid) continue;
+    ++rigid;
+    for (const auto& wrong : e.wrong) EXPECT_LT(wrong.omega, base::two_pi * 200.0);
+  }
+  EXPECT_EQ(rigid, 1);
+}
+
 /// Modes of the nominal machine at another pose than they state: the pose is named, no part.
 TEST(Diagnose, NamesThePoseAtWhichTheNominalMachineHasTheModes) {
   const auto file = stiff_file();
