@@ -117,8 +117,13 @@ std::vector<double> amplitudes_of(const std::string& text) {
 
 std::string amplitudes_text(const tasks::Machine& machine, const report::ModesAtAmplitudes& modes,
                             const TableStyle& style) {
-  Table table({"mode", "<", "amplitude mm", "Hz", "change", "damping", "MAC", "sleeve mm",
-               "piston mm", "rods on guide"});
+  const bool sleeves = machine.kind != dynamics::ModelKind::rigid;  // that move
+  const bool struts = model::leg_type(machine.file.machine) == model::LegType::strut;
+  std::vector<Column> columns{"mode", "<", "amplitude mm", "Hz", "change", "damping", "MAC"};
+  if (sleeves) columns.push_back("sleeve mm");
+  columns.push_back(struts ? "strut mm" : "piston mm");
+  if (sleeves) columns.push_back("rods on guide");
+  Table table(columns);
   bool lost = false, several = false;
   std::string notes;
   for (const auto& curve : modes.curves) {
@@ -126,7 +131,9 @@ std::string amplitudes_text(const tasks::Machine& machine, const report::ModesAt
     std::string direction = spatial::direction_name(curve.direction);
     if (curve.from_long_swings) direction += ", from long swings";
     const auto none = [&](const std::string& amplitude) {
-      table.add_row({mode, direction, amplitude, "–", "–", "–", "–", "–", "–", "–"});
+      std::vector<std::string> row{mode, direction, amplitude};
+      row.resize(columns.size(), "–");
+      table.add_row(row);
       mode.clear();
       direction.clear();
       lost = true;
@@ -139,13 +146,18 @@ std::string amplitudes_text(const tasks::Machine& machine, const report::ModesAt
       if (!empty && !curve.from_long_swings && !on_any_branch(modes, curve.mode, point.amplitude))
         none(amplitude);
       for (const auto& solution : found) {
-        table.add_row({mode, direction, amplitude, hertz(solution.omega),
-                       change_text(solution.omega, of_small_motions(modes, curve.mode)),
-                       fmt::format("{:.2f} %", 100.0 * solution.damping_ratio),
-                       fmt::format("{:.3f}", solution.mac),
-                       fmt::format("{:.3g}", millimetres * solution.sleeve),
-                       fmt::format("{:.3g}", millimetres * solution.piston),
-                       std::to_string(solution.legs_on_guide)});
+        std::vector<std::string> row{
+            mode,
+            direction,
+            amplitude,
+            hertz(solution.omega),
+            change_text(solution.omega, of_small_motions(modes, curve.mode)),
+            fmt::format("{:.2f} %", 100.0 * solution.damping_ratio),
+            fmt::format("{:.3f}", solution.mac)};
+        if (sleeves) row.push_back(fmt::format("{:.3g}", millimetres * solution.sleeve));
+        row.push_back(fmt::format("{:.3g}", millimetres * solution.piston));
+        if (sleeves) row.push_back(std::to_string(solution.legs_on_guide));
+        table.add_row(row);
         mode.clear();
         direction.clear();
       }
@@ -154,11 +166,13 @@ std::string amplitudes_text(const tasks::Machine& machine, const report::ModesAt
     if (curve.end != modal::BranchEnd::beyond) notes += end_text(curve);
   }
   std::string text = heading(machine, style) + "\n" + table.text(style);
-  text +=
+  text += fmt::format(
       "\nHarmonic balance, one mode at a time. The amplitude is that of the platform joint that "
       "moves most, against the base.\nChange: against motions of a thousandth of the first "
-      "amplitude. Sleeve, "
-      "piston: largest amplitudes of the legs.\n";
+      "amplitude. {}: largest amplitudes of the legs.\n",
+      struts    ? "Strut, along the leg"
+      : sleeves ? "Sleeve, piston"
+                : "Piston");
   if (several)
     text +=
         "Several rows of one amplitude: the branch of the mode turns back and passes this "
@@ -181,9 +195,9 @@ std::string amplitudes_text(const tasks::Machine& machine, const report::ModesAt
                (leg.piston_ring && leg.piston_ring->elastomer) || leg.hydraulics.friction.coulomb ||
                leg.hydraulics.joint_friction.coulomb > 0.0;
       }))
-    text +=
-        "Nothing in the file depends on the amplitude: no `guide_sleeve.gap`, no `elastomer`, no "
-        "`friction.coulomb`, no `joint_friction.coulomb`.\n";
+    text += fmt::format(
+        "Nothing in the file depends on the amplitude: {}no `joint_friction.coulomb`.\n",
+        struts ? "" : "no `guide_sleeve.gap`, no `elastomer`, no `friction.coulomb`, ");
   return text;
 }
 

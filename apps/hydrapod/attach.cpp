@@ -37,7 +37,7 @@ tasks::AttachOptions options_of(const Arguments& arguments, std::size_t there) {
   options.mass = arguments.mass;
   options.damping = arguments.damping;
   options.grid = arguments.grid;
-  options.p_PI = point(arguments.at);
+  options.p_PI = point("--at", arguments.at);
   options.modes =
       arguments.modes > 0 ? arguments.modes : model::most_payload_modes - static_cast<int>(there);
   if (!arguments.damping_ratio.empty())

@@ -78,7 +78,7 @@ report::BodeOptions options_of(const Arguments& arguments) {
       choose_word("--output", arguments.output, {"displacement", "velocity", "acceleration"}));
   options.from = frequency("--from", arguments.from);
   options.to = frequency("--to", arguments.to);
-  if (!arguments.point.empty()) options.p_PQ = point(arguments.point);
+  if (!arguments.point.empty()) options.p_PQ = point("--point", arguments.point);
   options.points = arguments.points;
   if (options.from && options.to && *options.from >= *options.to)
     base::refuse("--from " + arguments.from, "must be less than --to " + arguments.to);
@@ -145,9 +145,9 @@ std::string mechanics_output(const Arguments& arguments, const report::BodeOptio
 void run(const Arguments& arguments) {
   const size_t format = result_format(arguments.format, arguments.file, {"table", "json", "csv"});
   const auto options = options_of(arguments);
-  write_output(arguments.file, arguments.input == "command"
-                                   ? command_output(arguments, options, format)
-                                   : mechanics_output(arguments, options, format));
+  write_result(arguments.file, format,
+               arguments.input == "command" ? command_output(arguments, options, format)
+                                            : mechanics_output(arguments, options, format));
 }
 
 }  // namespace
@@ -168,8 +168,8 @@ void add_bode(Command app) {
   add_subject_options(command, arguments.machine);
   command.add_options(
       {{"--input", arguments.input,
-        "wrench at the point, actuator forces mapped to its directions, or command: the "
-        "commanded pose, with hydraulics and controller"},
+        "wrench: forces and moments at the point; actuator: forces of the legs, mapped to its "
+        "directions; command: the commanded pose, with hydraulics and controller"},
        {"--output", arguments.output, "displacement, velocity or acceleration of the point"},
        {"--point", arguments.point,
         "Point of the platform, \"x,y,z\" in its frame; default: its mass centre"},

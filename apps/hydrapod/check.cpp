@@ -333,7 +333,7 @@ void run(const Arguments& arguments) {
   const auto& poses = machine.file.machine.poses;
   const auto checks =
       tasks::check(machine, arguments.machine.pose.empty() ? poses : std::vector{machine.pose});
-  write_output(arguments.output,
+  write_result(arguments.output, format,
                format == 0 ? table_text(machine.file, checks, table_style(arguments.output))
                            : json_text(report::head_json("check", machine.file, machine.path),
                                        report::check_json(checks, machine.file.machine)));

@@ -142,10 +142,11 @@ void run(const Arguments& a) {
   print_diagnostics(compared.warnings);
   const auto& result = compared.result;
   draw(a.plot, [&](const auto& path) { report::plot_side_by_side(result, path); });
-  write_output(a.output, format == 0   ? table_text(result, table_style(a.output))
-                         : format == 1 ? json_text({{"kind", "comparison"}},
-                                                   report::side_by_side_json(result))
-                                       : report::side_by_side_csv(result));
+  write_result(a.output, format,
+               format == 0 ? table_text(result, table_style(a.output))
+               : format == 1
+                   ? json_text({{"kind", "comparison"}}, report::side_by_side_json(result))
+                   : report::side_by_side_csv(result));
 }
 
 }  // namespace

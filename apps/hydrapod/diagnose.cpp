@@ -205,7 +205,7 @@ void run(const Arguments& a) {
     if (!found.origins.empty()) json["measured_at"] = found.origins;
     text = json_text(json, report::diagnosis_json(found.file));
   }
-  write_output(a.output, text);
+  write_result(a.output, format, text);
   draw(a.plot, [&](const auto& path) { report::plot_diagnosis(found.file, path); });
   if (found.file.diagnosis && found.file.diagnosis->interrupted)
     throw base::ComputationError("interrupted: the result contains the hypotheses tried so far");

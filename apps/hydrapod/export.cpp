@@ -12,7 +12,8 @@ using exchange::Held;
 struct Arguments {
   MachineArguments machine{};
   std::string to{}, system{}, inputs{}, outputs{}, point{}, sample_time{}, output{};
-  int pade{simulation::default_pade_order}, leg_modes{-1}, reduce{};
+  std::optional<int> pade{};
+  int leg_modes{-1}, reduce{};
   bool sampled{}, approximate{};
 };
 
@@ -49,8 +50,20 @@ void refuse_idle_options(const Arguments& arguments, tasks::ExportFormat format)
     if (arguments.sampled) base::refuse("--sampled", to + what);
     if (arguments.reduce != 0) base::refuse("--reduce", to + what);
   }
-  if (arguments.leg_modes >= 0 && format != tasks::ExportFormat::matrix_market &&
-      format != tasks::ExportFormat::dmig)
+  const bool superelement =
+      format == tasks::ExportFormat::matrix_market || format == tasks::ExportFormat::dmig;
+  const bool of_mechanics =
+      is_state_space(format) && (arguments.system.empty() || arguments.system == "mechanics");
+  if (!arguments.point.empty() && !of_mechanics && !superelement)
+    base::refuse("--point " + arguments.point,
+                 (is_state_space(format) ? "with --system " + arguments.system : to) +
+                     " has no meaning: it is for state spaces of the mechanics and superelements");
+  if (arguments.pade &&
+      (!is_state_space(format) || arguments.system != "loop" || arguments.sampled))
+    base::refuse(fmt::format("--pade {}", *arguments.pade),
+                 "is the delay of the controller in a state space; expected --system loop without "
+                 "--sampled");
+  if (arguments.leg_modes >= 0 && !superelement)
     base::refuse("--leg-modes", to + " has no meaning: it is for superelements (mtx, dmig)");
   if (arguments.reduce != 0 && arguments.sampled)
     base::refuse("--reduce", "is for continuous systems; leave --sampled out");
@@ -60,23 +73,35 @@ void refuse_idle_options(const Arguments& arguments, tasks::ExportFormat format)
     base::refuse("--sampled", "has the sample time of the controller; leave --sample-time out");
 }
 
+tasks::ExportFormat format_of(const Arguments& arguments) {
+  return static_cast<tasks::ExportFormat>(choose_word(
+      "--to", arguments.to, {tasks::export_formats.begin(), tasks::export_formats.end()}));
+}
+
+std::vector<NamedFile> files_of(const Arguments& arguments) {
+  std::vector<NamedFile> files;
+  if (arguments.output == "-") return files;
+  for (const auto& file : tasks::export_files(format_of(arguments), arguments.output))
+    files.push_back({"-o", file});
+  return files;
+}
+
 tasks::ExportOptions options_of(const Arguments& arguments) {
   tasks::ExportOptions options;
-  options.format = static_cast<tasks::ExportFormat>(choose_word(
-      "--to", arguments.to, {tasks::export_formats.begin(), tasks::export_formats.end()}));
+  options.format = format_of(arguments);
   options.path = arguments.output;
   refuse_idle_options(arguments, options.format);
   if (!arguments.system.empty())
     options.system = static_cast<exchange::SystemKind>(
         choose_word("--system", arguments.system, {"mechanics", "plant", "loop"}));
-  options.pade_order = arguments.pade;
+  options.pade_order = arguments.pade.value_or(options.pade_order);
   if (!arguments.sample_time.empty())
     options.sample_time = positive_quantity("--sample-time", arguments.sample_time, "s",
                                             "a time above 0, for instance \"1 ms\"");
   options.sampled_controller = arguments.sampled;
   options.inputs = names(arguments.inputs);
   options.outputs = names(arguments.outputs);
-  if (!arguments.point.empty()) options.p_PQ = point(arguments.point);
+  if (!arguments.point.empty()) options.p_PQ = point("--point", arguments.point);
   options.reduced_states = arguments.reduce;
   options.leg_modes = arguments.leg_modes;
   options.approximate = arguments.approximate;
@@ -86,10 +111,6 @@ tasks::ExportOptions options_of(const Arguments& arguments) {
 void run(const Arguments& arguments) {
   auto options = options_of(arguments);
   if (options.path == "-") base::refuse("-o -", "an export is a file; give it a name");
-  std::vector<NamedFile> files;
-  for (const auto& file : tasks::export_files(options.format, options.path))
-    files.push_back({"-o", file});
-  check_outputs({{"FILE", arguments.machine.file}}, files, false);
   const auto machine = load(arguments.machine);
   options.json_head = head_of_model("state_space", machine);
   const auto exported = tasks::export_machine(machine, options);
@@ -128,8 +149,8 @@ void add_export(Command app) {
         "Discretise, inputs held over this time: s or with a unit"},
        {"--sampled", arguments.sampled,
         "The loop as it is sampled, exact, at the controller's sample time"},
-       {"--pade", arguments.pade, "Order of the approximation of the delay, 0 (no delay) to 8",
-        range(0, 8)},
+       {"--pade", arguments.pade,
+        "Order of the approximation of the delay, 0 (no delay) to 8; default: 2", range(0, 8)},
        {"--inputs", arguments.inputs, "Names of inputs, with commas; default: all"},
        {"--outputs", arguments.outputs, "Names of outputs, with commas; default: all"},
        {"--reduce", arguments.reduce,
@@ -141,10 +162,8 @@ void add_export(Command app) {
         "Modes of the legs that a superelement keeps; default: all", range(-1, 1000)},
        {"--approximate", arguments.approximate,
         "Write also what the format cannot hold in full; the report lists it"},
-       {"-o,--output",
-        arguments.output,
-        "File to write",
-        {.required = true, .file = FileUse::output}}});
+       {"-o,--output", arguments.output, "File to write", required}});
+  command.also_writes([&arguments] { return files_of(arguments); });
 }
 
 }  // namespace hydrapod::cli

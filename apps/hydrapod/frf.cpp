@@ -96,7 +96,8 @@ void run(const Arguments& arguments) {
     return print_written(arguments.output);
   }
   if (format == csv) return write_output(arguments.output, data::response_table(shared));
-  if (format == table) return write_output(arguments.output, table_text(arguments, measured, r));
+  if (format == table)
+    return write_result(arguments.output, format, table_text(arguments, measured, r));
   report::Json document{{"kind", "frf"}, {"records", options.files}};
   if (measured.header) document["record"] = report::record_origin_json(*measured.header);
   write_output(arguments.output, json_text(document, report::responses_json(shared), -1));

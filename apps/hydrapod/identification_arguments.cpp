@@ -98,8 +98,8 @@ void add_measurement_options(Command command, MeasurementArguments& a) {
         "auto, h1, h2, hv or iv (instrumental, for inputs in a closed loop)"},
        {"--block", a.block, "Samples per block; default: from the record's length"},
        {"--whole-record", a.whole_record,
-        "Modes of a short record from the whole record at once, or an error where that cannot be; "
-        "default: where it can, else from averages of blocks"},
+        "Modes of a short record with inputs, no hits, from the whole record at once, or an error "
+        "where that cannot be; default: where it can, else from averages of blocks"},
        {"--overlap", a.overlap, "Overlap of blocks in per cent; default: 50"},
        {"--window", a.window, "hann, rectangular, hamming, blackman-harris or flat-top"},
        {"--period", a.period,
@@ -149,7 +149,7 @@ tasks::MeasureOptions measure_options(const MeasurementArguments& a) {
     const auto sensor = rig::parse_accelerometer(text);
     options.sensors.push_back({sensor.name, sensor.p_P, sensor.e_P});
   }
-  if (!a.point.empty()) options.p_PQ = point(a.point);
+  if (!a.point.empty()) options.p_PQ = point("--point", a.point);
   return options;
 }
 

@@ -72,12 +72,12 @@ bool stands_for_what_is_outside(const identification::Identification& result,
   return frequency > result.to + width || frequency < result.from - width;
 }
 
-std::string untested_text(const tasks::Identified& checks) {
-  if (!checks.needed_duration) return {};
+std::string untested_text(const identification::Identification& result) {
+  if (!result.needed_duration) return {};
   return fmt::format(
       "Not tested: whether a sensor or a mode changed within the record. The test of sensors needs "
       "a record of {:.0f} s with blocks of this length.\n",
-      std::ceil(*checks.needed_duration));
+      std::ceil(*result.needed_duration));
 }
 
 std::string modes_text(const tasks::Identified& checks, const TableStyle& style) {
@@ -133,7 +133,7 @@ std::string modes_text(const tasks::Identified& checks, const TableStyle& style)
         "Bootstrap: {} resamples of {} groups of blocks, relative uncertainty {:.0f} %.\n",
         checks.bootstrap->resamples, checks.bootstrap->groups,
         100.0 / std::sqrt(2.0 * (checks.bootstrap->groups - 1.0)));
-  text += untested_text(checks);
+  text += untested_text(result);
   for (const auto& h : result.responses.harmonics)
     text += harmonic_text(h, result.responses.outputs);
   for (const auto& m : result.heavily_damped)
@@ -197,7 +197,7 @@ void draw_all(const Arguments& a, const tasks::Identified& found) {
   });
 }
 
-void write_result(const Arguments& a, size_t format, const tasks::Identified& found) {
+void write_modes(const Arguments& a, size_t format, const tasks::Identified& found) {
   const auto& result = found.modes;
   const std::string title = a.measurement.files[0];
   if (format == Format::uff)
@@ -221,7 +221,7 @@ void write_result(const Arguments& a, size_t format, const tasks::Identified& fo
     text = modes_text(found, style);
     if (found.compared) text += comparison_text(*found.compared, result, style);
   }
-  write_output(a.output, text);
+  write_result(a.output, format, text);
 }
 
 void run(const Arguments& a) {
@@ -242,7 +242,7 @@ void run(const Arguments& a) {
     base::refuse("--cross-mac " + a.cross_mac,
                  "there is nothing to compare with: add --machine FILE");
   draw_all(a, found);
-  write_result(a, format, found);
+  write_modes(a, format, found);
 }
 
 }  // namespace

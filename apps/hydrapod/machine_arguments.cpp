@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/base/units.hpp"
@@ -26,13 +27,33 @@ double positive_quantity(const std::string& option, const std::string& text, con
   return value;
 }
 
-spatial::Vector3 point(const std::string& text) {
+namespace {
+/// "300 m" is soon written for 300 mm. What a file may hold at the same place is judged by the
+/// table of parameters: a point of the platform is that of a swinging mass. Less than 1 m is no
+/// mistake.
+void warn_of_unusual(const std::string& argument, const spatial::Vector3& p_PQ) {
+  model::Machine machine;
+  machine.payload_modes.push_back({.position = p_PQ});
+  for (auto& length : machine.payload_modes.front().position)
+    if (std::abs(length) < 1.0) length = 0.0;
+  for (const auto& finding : model::unusual_numbers(machine).findings) {
+    if (!finding.key.starts_with("payload_modes.")) continue;
+    const char axis = "xyz"[finding.key.at(finding.key.size() - 2) - '0'];  // …position[2]
+    return print_warning(fmt::format("{} {}", axis, finding.message), argument);
+  }
+}
+}  // namespace
+
+spatial::Vector3 point(const std::string& option, const std::string& text) {
   const auto parts = base::split(text, ",");
-  const std::string argument = "--point " + text;
+  const std::string argument = option + " " + text;
   if (parts.size() != 3)
     base::refuse(argument, "a point is three lengths, for instance \"0,0,0.2 m\"");
-  return {plain_or_quantity(argument, parts[0], "m"), plain_or_quantity(argument, parts[1], "m"),
-          plain_or_quantity(argument, parts[2], "m")};
+  const spatial::Vector3 p_PQ{plain_or_quantity(argument, parts[0], "m"),
+                              plain_or_quantity(argument, parts[1], "m"),
+                              plain_or_quantity(argument, parts[2], "m")};
+  warn_of_unusual(argument, p_PQ);
+  return p_PQ;
 }
 
 void add_machine_options(Command command, MachineArguments& arguments) {

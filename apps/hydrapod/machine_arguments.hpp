@@ -36,8 +36,9 @@ std::vector<model::NamedPose> poses_of(const std::vector<std::string>& named,
 /// The model of that name; none for no name. Throws base::InputError.
 std::optional<dynamics::ModelKind> model_kind(const std::string& word);
 
-/// "x,y,z" of --point [m]. Throws base::InputError.
-spatial::Vector3 point(const std::string& text);
+/// "x,y,z" of `option`, a point of the platform [m]. Throws base::InputError; warns of lengths that
+/// model::unusual_numbers() would not leave without a word in a machine file.
+spatial::Vector3 point(const std::string& option, const std::string& text);
 
 /// `text` as a number in SI, or as a quantity of the dimension of `unit`; `argument` is what the
 /// message calls it. Throws base::InputError.

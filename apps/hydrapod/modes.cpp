@@ -302,7 +302,7 @@ void run_at_poses(const Arguments& arguments, const tasks::Machine& machine,
   if (arguments.matrices) base::refuse("--matrices", "are of one pose; give --pose once");
   const auto modes = tasks::modes_at_poses(machine, poses);
   const auto style = table_style(arguments.output);
-  write_output(arguments.output,
+  write_result(arguments.output, format,
                format == 0
                    ? fmt::format("{}, {} model\n{}\n", bold(machine.file.machine.name, style),
                                  dynamics::name(machine.kind), mechanics_state_line(machine.file)) +
@@ -333,7 +333,7 @@ void run_at_amplitudes(const Arguments& arguments, std::size_t format) {
   const auto machine = load(arguments.machine);
   const auto modes = tasks::modes_at_amplitudes(machine, amplitudes);
   if (!system.plot.empty()) plot_amplitudes(machine, modes, system.plot);
-  write_output(arguments.output,
+  write_result(arguments.output, format,
                format == 0   ? amplitudes_text(machine, modes, table_style(arguments.output))
                : format == 1 ? json_text(head_of_model("modes_at_amplitudes", machine),
                                          report::modes_at_amplitudes_json(modes))
@@ -362,7 +362,7 @@ void run(const Arguments& given) {
   if (system.system || system.open_loop || !system.root_locus.empty()) {
     if (arguments.matrices)
       base::refuse("--matrices", "M, K and C are those of the mechanics; leave --system out");
-    return write_output(arguments.output,
+    return write_result(arguments.output, format,
                         system_modes_text(arguments.machine, system, format, style));
   }
   if (system.pade != simulation::default_pade_order)
@@ -372,9 +372,10 @@ void run(const Arguments& given) {
     base::refuse("--matrices", "matrices are part of the JSON; add --format json");
   const auto machine = load(arguments.machine);
   const auto table = tasks::modes(machine);
-  write_output(arguments.output, format == 0   ? table_text(machine, table, style)
-                                 : format == 1 ? mode_json(machine, table, arguments.matrices)
-                                               : mode_csv(table));
+  write_result(arguments.output, format,
+               format == 0   ? table_text(machine, table, style)
+               : format == 1 ? mode_json(machine, table, arguments.matrices)
+                             : mode_csv(table));
 }
 
 }  // namespace

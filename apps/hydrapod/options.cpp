@@ -75,6 +75,7 @@ struct Command::Files {
     OptionValue value;
   };
   std::vector<Option> inputs{}, outputs{};
+  std::function<std::vector<NamedFile>()> more_outputs{};
   bool force{};
 };
 
@@ -87,10 +88,20 @@ void Command::add_options(std::initializer_list<OptionRow> rows) {
     const std::string name = row.names.substr(0, row.names.find(','));
     (row.rule.file == FileUse::input ? files_->inputs : files_->outputs)
         .push_back({name, row.value});
-    if (row.rule.file == FileUse::output && app_->get_option_no_throw("--force") == nullptr)
-      app_->add_flag("--force", files_->force,
-                     "Replace a record, machine file or study that exists");
+    if (row.rule.file == FileUse::output) add_force();
   }
+}
+
+void Command::add_force() {
+  if (app_->get_option_no_throw("--force") != nullptr) return;
+  app_->add_flag("--force", files_->force,
+                 "Replace a record, machine file or study that exists, and a text that hydrapod "
+                 "did not write");
+}
+
+void Command::also_writes(std::function<std::vector<NamedFile>()> files) {
+  add_force();
+  files_->more_outputs = std::move(files);
 }
 
 void Command::add_extent_options() {
@@ -113,7 +124,10 @@ void Command::check_files(const Files& files) {
     return list;
   };
   const auto inputs = named(files.inputs);
-  check_outputs(inputs, named(files.outputs), files.force);
+  auto outputs = named(files.outputs);
+  if (files.more_outputs)
+    for (auto& file : files.more_outputs()) outputs.push_back(std::move(file));
+  check_outputs(inputs, outputs, files.force);
   for (const auto& [option, value] : inputs)
     if (const auto path = input_file(value)) note_input(option, *path);
 }

@@ -24,6 +24,8 @@ class App;
 
 namespace hydrapod::cli {
 
+struct NamedFile;
+
 /// What an option puts its text into; of a flag it is a bool. The variable must live as long as the
 /// command. The help shows the value that it has now, unless that is empty or 0.
 using OptionValue =
@@ -92,6 +94,10 @@ class Command {
 
   void add_options(std::initializer_list<OptionRow> rows);
 
+  /// --force, for files whose names follow from several options; `files` is asked for them when the
+  /// command line was understood.
+  void also_writes(std::function<std::vector<NamedFile>()> files);
+
   /// --brief and --all of a command that prints tables: see Extent.
   void add_extent_options();
 
@@ -114,6 +120,7 @@ class Command {
  private:
   struct Files;
   void callback(std::function<void()> run);
+  void add_force();
   static void check_files(const Files& files);
 
   CLI::App* app_;

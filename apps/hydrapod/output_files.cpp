@@ -18,6 +18,7 @@
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/data/record_io.hpp"
 #include "hydrapod/machine_arguments.hpp"
+#include "hydrapod/reproduction.hpp"
 #include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
@@ -33,47 +34,6 @@ bool same_file(const std::string& a, const std::string& b) {
     return fs::weakly_canonical(fs::absolute(path), ignored);
   };
   return fs::equivalent(a, b, ignored) || place(a) == place(b);
-}
-
-/// Whether the file says that hydrapod wrote it: by its name, or by the titles of its tables.
-bool is_own_result(const std::string& path) {
-  constexpr std::size_t most = 65536;
-  std::string head(most, '\0');
-  std::ifstream file(path, std::ios::binary);
-  file.read(head.data(), most);
-  head.resize(static_cast<std::size_t>(file.gcount()));
-  constexpr std::array<std::string_view, 3> titles{
-      "frequency_hz,omega_rad_s,re ", "mode,omega_rad_s,frequency_hz,", "mode,frequency_hz,"};
-  return head.find("hydrapod") != std::string::npos ||
-         std::ranges::any_of(titles, [&](auto title) { return head.starts_with(title); });
-}
-
-/// What must not be lost: a record, a machine file or study, and measured responses and modes that
-/// others wrote. None: anything else.
-std::optional<const char*> kept_kind(const std::string& path) {
-  std::error_code ignored;
-  if (!fs::is_regular_file(path, ignored) || fs::file_size(path, ignored) == 0) return {};
-  if (path.ends_with(".toml")) return "machine file or study";
-  try {
-    switch (data::file_kind(path)) {
-      case data::FileKind::record: {
-        const data::RecordSet record({path});
-        return "record";
-      }
-      case data::FileKind::frequency_responses:
-        if (!is_own_result(path)) return "file of frequency responses";
-        break;
-      case data::FileKind::mode_table:
-      case data::FileKind::modal_results:
-        if (!is_own_result(path)) return "file of modes";
-        break;
-      default:
-        break;
-    }
-    return {};
-  } catch (const base::InputError&) {
-    return {};
-  }
 }
 
 /// What a known ending says of the contents: a word of --format, or the ending itself.
@@ -93,6 +53,104 @@ std::string contents_of_ending(const std::string& output) {
   const std::string ending = base::lower_case(fs::path(output).extension().string());
   const auto at = std::ranges::find(known, ending, &Ending::ending);
   return at == known.end() ? std::string() : std::string(at->contents);
+}
+
+/// The end of a table in a file.
+constexpr std::string_view signature = "written by hydrapod ";
+
+/// The beginning of a file and its end, of long files without what is between.
+std::string seen_of(const std::string& path) {
+  constexpr std::size_t most = 65536;
+  std::string text(2 * most, '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(file.gcount()));
+  std::error_code ignored;
+  const auto size = fs::file_size(path, ignored);
+  if (ignored || size <= text.size()) return text;
+  file.seekg(-static_cast<std::streamoff>(most), std::ios::end);
+  text.resize(most);
+  file.read(text.data(), static_cast<std::streamsize>(most));
+  std::string begin(most, '\0');
+  file.seekg(0);
+  file.read(begin.data(), static_cast<std::streamsize>(most));
+  return begin + text;
+}
+
+/// Titles of the tables that are written as CSV. A comment in front would be a row to spreadsheets.
+bool has_own_titles(std::string_view text) {
+  constexpr std::array<std::string_view, 9> titles{"frequency_hz,omega_rad_s,",
+                                                   "mode,omega_rad_s,frequency_hz,",
+                                                   "mode,frequency_hz,frequency_95_hz,",
+                                                   "mode,direction,amplitude_m,",
+                                                   "followed,pose,mode,",
+                                                   "thing,mode_first,",
+                                                   "re_1_s,im_1_s,omega_rad_s,",
+                                                   "value,re_1_s,im_1_s,omega_rad_s,",
+                                                   "# hydrapod "};
+  constexpr std::string_view rows_of_a_study = ",lowest [Hz],";
+  return std::ranges::any_of(titles, [&](auto title) { return text.starts_with(title); }) ||
+         text.substr(0, text.find('\n')).find(rows_of_a_study) != text.npos;
+}
+
+bool has_signature(std::string_view text) {
+  const auto end = text.find_last_not_of("\r\n");
+  if (end == text.npos) return false;
+  const auto begin = text.rfind('\n', end);
+  return text.substr(begin == text.npos ? 0 : begin + 1).starts_with(signature);
+}
+
+/// Whether the file says that hydrapod wrote it. Prose that only speaks of hydrapod does not.
+bool is_own_result(std::string_view text) {
+  const std::string_view begin = base::trimmed(text.substr(0, 256));
+  if (begin.starts_with('{')) {
+    const bool has_kind = base::trimmed(begin.substr(1)).starts_with("\"kind\"");
+    return has_kind || text.find("\"reproduction\"") != text.npos;
+  }
+  // markup, Matrix Market, Nastran, Universal Files, and what is no text
+  const bool of_programs = begin.starts_with('<') || begin.starts_with('%') ||
+                           begin.starts_with('$') || begin.starts_with("-1") ||
+                           text.find('\0') != text.npos;
+  if (of_programs) return text.find("hydrapod") != text.npos;
+  return has_own_titles(text) || has_signature(text);
+}
+
+/// Pictures have nobody's name in them. What is no text is not judged: its contents are known by
+/// data::file_kind(), or by nobody.
+bool is_kept_text(const std::string& path, std::string_view text) {
+  const auto contents = contents_of_ending(path);
+  const bool picture = contents == ".svg" || contents == ".png" || contents == ".pdf";
+  return !picture && text.find('\0') == text.npos && !is_own_result(text);
+}
+
+/// What must not be lost: a record, a machine file or study, and what others wrote: measured
+/// responses and modes, and any text. None: anything else.
+std::optional<const char*> kept_kind(const std::string& path) {
+  std::error_code ignored;
+  if (!fs::is_regular_file(path, ignored) || fs::file_size(path, ignored) == 0) return {};
+  if (path.ends_with(".toml")) return "machine file or study";
+  const std::string text = seen_of(path);
+  const bool own = is_own_result(text);
+  try {
+    switch (data::file_kind(path)) {
+      case data::FileKind::record: {
+        const data::RecordSet record({path});
+        return "record";
+      }
+      case data::FileKind::frequency_responses:
+        if (!own) return "file of frequency responses";
+        break;
+      case data::FileKind::mode_table:
+      case data::FileKind::modal_results:
+        if (!own) return "file of modes";
+        break;
+      default:
+        break;
+    }
+  } catch (const base::InputError&) {  // of no kind that is known
+  }
+  if (is_kept_text(path, text)) return "text that hydrapod did not write";
+  return {};
 }
 
 std::optional<std::string> why_not_writable(const std::string& path) {
@@ -196,6 +254,12 @@ void require_ending(const std::string& option, const std::string& output,
 void write_output(const std::string& path, const std::string& text) {
   base::write_file_whole(path, text);
   if (path != "-") print_written(path);
+}
+
+void write_result(const std::string& path, std::size_t format, const std::string& text) {
+  const bool is_table_in_a_file = format == 0 && path != "-";
+  write_output(
+      path, is_table_in_a_file ? fmt::format("{}\nwritten by {}\n", text, program_text()) : text);
 }
 
 }  // namespace hydrapod::cli

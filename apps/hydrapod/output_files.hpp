@@ -4,8 +4,10 @@
 /// - No output is an input of the same command, whatever its name: the files are compared, not the
 ///   names (links, "./", hard links).
 /// - No two outputs are the same file.
-/// - A record, a machine file or a study that exists is replaced only with --force. Whatever else
-///   exists (a table, JSON, a picture, a page) is replaced.
+/// - A record, a machine file or a study that exists is replaced only with --force, and so is a
+/// text
+///   (table, JSON, page, notes) that hydrapod did not write. What it wrote says so: JSON by its
+///   fields, CSV by its titles, a table by its last line. Pictures say nothing and are replaced.
 /// - There must be a folder that can be written to.
 
 #include <optional>
@@ -42,7 +44,11 @@ std::size_t result_format(const std::string& format, const std::string& output,
 void require_ending(const std::string& option, const std::string& output,
                     std::string_view accepted);
 
-/// Writes a result whole, see base::write_file_whole, and says so unless it was printed.
+/// Writes a file whole, see base::write_file_whole, and says so unless it was printed.
 void write_output(const std::string& path, const std::string& text);
+
+/// The same of a result in the format that result_format() chose. A table (0) in a file ends with
+/// the line "written by hydrapod …", by which a later run knows that it may replace it.
+void write_result(const std::string& path, std::size_t format, const std::string& text);
 
 }  // namespace hydrapod::cli

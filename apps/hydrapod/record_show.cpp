@@ -152,9 +152,9 @@ void run(const Arguments& arguments) {
         arguments.file,
         json_text({}, report::record_json(record, overview, arguments.spectra), -1));
   const auto style = table_style(arguments.file);
-  write_output(arguments.file, heading(header, overview, record.format(), style) +
-                                   table(header, overview, style) + legend +
-                                   id_text(header.channels));
+  write_result(arguments.file, format,
+               heading(header, overview, record.format(), style) + table(header, overview, style) +
+                   legend + id_text(header.channels));
 }
 
 }  // namespace

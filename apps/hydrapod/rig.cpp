@@ -230,7 +230,7 @@ void add_options(Command command, Arguments& arguments) {
        {"--no-anti-alias", arguments.no_anti_alias, "Leave the anti-alias filter out"},
        {"--check", arguments.check, "Only check the levels against stroke, valves and motors"},
        {"--above-limits", arguments.above_limits, "Run although the levels are too high"},
-       {"-o", arguments.file, "Record to write: .h5, .mat, .csv or .uff", writes}});
+       {"-o", arguments.file, "Record to write: .h5, .mat, .csv, .uff or .rpc", writes}});
 }
 
 }  // namespace

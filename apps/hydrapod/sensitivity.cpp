@@ -38,7 +38,7 @@ void run(const Arguments& arguments) {
   } else {
     text = sensitivity_csv(result);
   }
-  write_output(arguments.output, text);
+  write_result(arguments.output, format, text);
 }
 
 }  // namespace

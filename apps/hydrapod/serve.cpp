@@ -181,7 +181,8 @@ void add_serve(Command app) {
   command.add_options(
       {{"--duration", arguments.duration, "Time of the machine; default: until Ctrl-C"},
        {"-o,--output", arguments.record,
-        "Record to write, with lateness and deadline misses: .h5, .mat, .csv or .uff", writes},
+        "Record to write, with lateness and deadline misses: .h5, .mat, .csv, .uff or .rpc",
+        writes},
        {"--accelerometer", arguments.accelerometers,
         "As for rig; none: no accelerometer; default: three axes at the joints of legs 1, 3, 5",
         one_each},

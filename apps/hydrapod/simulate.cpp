@@ -402,7 +402,7 @@ void add_simulate(Command app) {
        {"--dt-output", arguments.dt_output,
         "Time between samples of the record; default: the controller's sample time"},
        {"-o,--output", arguments.record,
-        "Record to write: .h5, .mat, .csv or .uff; a PATH.part while it grows", writes},
+        "Record to write: .h5, .mat, .csv, .uff or .rpc; a PATH.part while it grows", writes},
        {"--plot", arguments.plot, "Picture to write, .svg, .png or .pdf (needs gnuplot)", writes},
        {"--integrator", arguments.integrator,
         "exponential (spools in closed form, Dormand-Prince 5(4)), adaptive (Dormand-Prince), "

@@ -207,8 +207,11 @@ void require_results(const Arguments& arguments, const tasks::StudyJob& job) {
   if (std::ranges::find(outputs, arguments.value, &study::Column::name) == outputs.end()) {
     std::vector<std::string_view> names;
     for (const auto& output : outputs) names.push_back(output.name);
-    base::refuse("--value " + arguments.value,
-                 fmt::format("unknown output; accepted are {}", fmt::join(names, ", ")));
+    const auto why =
+        study::why_no_output(job.machine.file.machine, job.machine.kind, arguments.value);
+    base::refuse(
+        "--value " + arguments.value,
+        why.value_or(fmt::format("unknown output; accepted are {}", fmt::join(names, ", "))));
   }
   if (arguments.plot.empty()) {
     if (arguments.value != Arguments{}.value)
@@ -274,17 +277,20 @@ void report_study(const Arguments& arguments, const tasks::StudyJob& job,
   if (!arguments.worst.empty()) write_worst(job, *done.summary, arguments.worst);
   draw(arguments.plot, [&](const auto& path) { plot_map(job, arguments.value, path); });
   const auto style = table_style(arguments.output);
+  const auto no_drop = study::why_no_output(job.machine.file.machine, job.machine.kind, "drop");
   if (format == 1)
     return write_output(
         arguments.output,
         json_text(head_of_model(kind, job.machine),
                   report::study_json(job.problem, job.plan, job.requirements, *done.summary)));
-  write_output(arguments.output,
+  write_result(arguments.output, format,
                fmt::format("{}, pose {}, {} model\n{}{} rows, seed {}\n\n",
                            bold(job.machine.file.machine.name, style), job.machine.pose.name,
                            dynamics::name(job.machine.kind), mechanics_state_line(job.machine.file),
                            done.summary->rows, job.plan.seed) +
-                   summary_text(job, *done.summary, style) + "\n" + worst_text(job, *done.summary));
+                   summary_text(job, *done.summary, style) +
+                   (no_drop ? fmt::format("\nLeft out: drop {}.\n", *no_drop) : "") + "\n" +
+                   worst_text(job, *done.summary));
 }
 
 /// What stands in a study file counts where the command line says nothing: so it is read here.

@@ -8,9 +8,10 @@
 
 Numbers are in SI and radians; a quantity may also be a text with a unit ("2 kN/mm", "5 deg"). Results have
 arrays as attributes; `.to_dict()` and `.json` are what the command line prints with --format json, but for
-`reproduction`. Arrays of results are read-only views. Mistakes raise InputError, computations that cannot
+`reproduction`. Arrays of results are read-only views, or copies. Mistakes raise InputError, computations that cannot
 give a result ComputationError. Long tasks take `progress`, a callable that gets the share done (0 to 1); when
-it returns True the task stops; progress_bar() is one. Ctrl-C stops them too. Tasks run without the interpreter lock (GIL).
+it returns True the task stops; progress_bar() is one. Ctrl-C stops them too. Tasks run without the interpreter
+lock (GIL).
 """
 
 from ._core import (
@@ -19,10 +20,12 @@ from ._core import (
     Check,
     CommandResponse,
     Compared,
+    Design,
     Diagnosed,
     Frf,
     Identified,
     MachineStateSpace,
+    ModelModes,
     Modes,
     ModesAtAmplitudes,
     ModesAtPoses,
@@ -62,6 +65,7 @@ from ._mechanics import (
     sample_signals,
     static_equilibrium,
 )
+from ._plant import LinearPlant, Plant
 from ._plots import (
     plot_bode,
     plot_diagnosis,
@@ -73,9 +77,8 @@ from ._plots import (
 from ._progress import ProgressBar, progress_bar
 from ._records import Record, read_record
 from ._studies import DesignFunction, design, montecarlo, sweep, workspace_map
+from . import _texts
 from ._tasks import (
-    LinearPlant,
-    Plant,
     RigRun,
     bode,
     calibrate,
@@ -103,6 +106,7 @@ __all__ = [
     "CommandResponse",
     "Compared",
     "ComputationError",
+    "Design",
     "DesignFunction",
     "Diagnosed",
     "Diagnostic",
@@ -113,6 +117,7 @@ __all__ = [
     "LinearPlant",
     "Machine",
     "MachineStateSpace",
+    "ModelModes",
     "Modes",
     "ModesAtAmplitudes",
     "ModesAtPoses",

@@ -33,26 +33,32 @@ class InputError(ValueError):
 
     @property
     def first(self) -> Diagnostic:
+        """The first of the diagnostics."""
         return self.diagnostics[0] if self.diagnostics else Diagnostic("error", "", 0, 0, "", str(self))
 
     @property
     def file(self) -> str:
+        """Its file or argument."""
         return self.first.file
 
     @property
     def line(self) -> int:
+        """Its line, counted from 1; 0: not in a file."""
         return self.first.line
 
     @property
     def column(self) -> int:
+        """Its column, counted from 1; 0: not in a file."""
         return self.first.column
 
     @property
     def key(self) -> str:
+        """Its key in the file, "legs.rod.length"."""
         return self.first.key
 
     @property
     def advice(self) -> str:
+        """What was found and what would be accepted."""
         return self.first.message
 
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 import os
 from typing import Any, List, NamedTuple, Optional, Sequence
 
-from . import _core
+from . import _checks, _core
+from ._checks import Texts
 from ._core import MachineStateSpace, Superelement
 from ._machine import Machine, Quantity
 from ._records import Path
-from ._tasks import Texts, _core_of, _list, _options
+from ._tasks import _core_of, _point
 
 _formats = {"mat": "mat", "npz": "npz", "json": "json", "h5": "hdf5", "hdf5": "hdf5", "uff": "uff", "unv": "uff",
             "mtx": "mtx", "pch": "dmig", "xml": "mjcf", "mjcf": "mjcf", "sdf": "sdf", "urdf": "urdf"}
@@ -30,16 +31,17 @@ class Export(NamedTuple):
     parity: List[ParityLine]
 
 
-def _names(texts: Optional[Texts]) -> Optional[List[str]]:
-    return None if texts is None else _list(texts)
+def _names(texts: Optional[Texts], name: str) -> Optional[List[str]]:
+    return None if texts is None else _checks.words(texts, name)
 
 
 def _system(system: Optional[str], sample_time: Optional[Quantity], sampled: bool, pade_order: int,
             inputs: Optional[Texts], outputs: Optional[Texts], point: Optional[Sequence[Quantity]],
             reduce: Optional[int]) -> Any:
-    return _options(system=system, sample_time=sample_time, sampled=sampled or None, pade_order=pade_order,
-                    inputs=_names(inputs), outputs=_names(outputs), point=None if point is None else list(point),
-                    reduce=reduce)
+    return _checks.options(
+        system=system, sample_time=sample_time, sampled=_checks.flag(sampled, "sampled") or None,
+        pade_order=pade_order, inputs=_names(inputs, "inputs"), outputs=_names(outputs, "outputs"),
+        point=None if point is None else _point(point), reduce=reduce)
 
 
 def export(machine: Machine, path: Path, *, to: Optional[str] = None, system: Optional[str] = None,
@@ -62,9 +64,10 @@ def export(machine: Machine, path: Path, *, to: Optional[str] = None, system: Op
             raise ValueError(f"path: the ending of {name!r} names no format; give to=, one of "
                              f"{', '.join(sorted(set(_formats.values())))}")
         to = _formats[ending]
+    _checks.word(to, "to")
     options = _system(system, sample_time, sampled, pade_order, inputs, outputs, point, reduce)
     files, parity = _core.export_machine(_core_of(machine), {
-        **options, **_options(path=name, to=to, leg_modes=leg_modes, approximate=approximate)})
+        **options, **_checks.options(path=name, to=to, leg_modes=leg_modes, approximate=approximate)})
     return Export(files, [ParityLine(*line) for line in parity])
 
 
@@ -82,6 +85,8 @@ def machine_state_space(machine: Machine, *, system: str = "mechanics", sample_t
     Result: A, B, C, D; states, inputs, outputs; state_units, …; state_rest, input_rest, output_rest (values at
     the operating point: x, u and y are small changes from them); sample_time [s], 0: continuous; delay [s].
     state_space() and to_control() take it.
+    Raises InputError for signals and options that cannot be, ComputationError where the supply cannot hold the
+    machine.
     """
     return _core.machine_state_space(_core_of(machine), _system(system, sample_time, sampled, pade_order, inputs,
                                                                 outputs, point, reduce))
@@ -93,9 +98,10 @@ def superelement(machine: Machine, *, leg_modes: Optional[int] = None,
 
     leg_modes: how many are kept, the lowest; default: all, which is exact. Result: M, K, C (n, n) [SI],
     coordinates, units, first_left_out [rad/s] (0: all modes are kept).
+    Raises InputError for more modes than the legs have.
     """
-    return _core.superelement(_core_of(machine), _options(
-        leg_modes=leg_modes, point=None if point is None else list(point)))
+    return _core.superelement(_core_of(machine), _checks.options(
+        leg_modes=leg_modes, point=None if point is None else _point(point)))
 
 
 class MultibodyText(NamedTuple):
@@ -107,8 +113,11 @@ class MultibodyText(NamedTuple):
 
 
 def multibody_text(machine: Machine, format: str = "mjcf") -> MultibodyText:
-    """The mechanism at rest as MJCF, SDF or URDF; parity lists what the format holds. Nothing is written."""
-    text, sidecar, parity = _core.multibody(_core_of(machine), format)
+    """The mechanism at rest as MJCF, SDF or URDF; parity lists what the format holds. Nothing is written.
+
+    Result: text [SI, rad], sidecar, parity; see MultibodyText. Raises InputError for a format that is unknown.
+    """
+    text, sidecar, parity = _core.multibody(_core_of(machine), _checks.word(format, "format"))
     return MultibodyText(text, sidecar, [ParityLine(*line) for line in parity])
 
 

@@ -6,9 +6,9 @@ from typing import Any, Dict, List, Tuple
 
 import numpy as np
 
-from ._core import Bode, Frf, MachineStateSpace, Modes, System
+from ._core import Bode, Frf, MachineStateSpace, ModelModes, Modes, System
+from ._plant import LinearPlant
 from ._records import Record
-from ._tasks import LinearPlant
 
 _inputs = {"command": "B_command", "valve": "B_valve", "wrench": "B_wrench"}
 
@@ -21,8 +21,8 @@ def _matrices(of: Any, input: str) -> Tuple[Any, Any, Any, Any]:
             raise ValueError(f"input: expected one of {', '.join(_inputs)}, got {input!r}")
         B = getattr(of, _inputs[input])
         return of.A, B, of.C, np.zeros((of.C.shape[0], B.shape[1]))
-    if isinstance(of, Modes):
-        model = of.flexible
+    if isinstance(of, (Modes, ModelModes)):
+        model = of.flexible if isinstance(of, Modes) else of
         n = model.M.shape[0]
         zero, one = np.zeros((n, n)), np.eye(n)
         M_inverse = np.linalg.inv(model.M)
@@ -41,8 +41,9 @@ def state_space(of: Any, *, input: str = "command") -> Any:
     """scipy.signal.StateSpace of a System, a MachineStateSpace, a LinearPlant (of Plant.linearise()) or Modes.
 
     input, of a System: command (displacement of the commanded pose, without its velocity), valve or wrench.
-    Modes: M ÿ + C ẏ + K y = F with the wrench at the mass centre as input and its motion as output. A
+    Modes, or its rigid: M ÿ + C ẏ + K y = F with the wrench at the mass centre as input and its motion as output. A
     MachineStateSpace with a sample time gives a system in discrete time.
+    Raises TypeError for other results.
     """
     from scipy.signal import StateSpace  # type: ignore[import]
 
@@ -52,7 +53,10 @@ def state_space(of: Any, *, input: str = "command") -> Any:
 
 
 def to_control(of: Any, *, input: str = "command") -> Any:
-    """The same as control.ss (needs python-control)."""
+    """The same as control.ss (needs python-control).
+
+    Raises TypeError for other results.
+    """
     import control  # type: ignore[import]
 
     step = _time_step(of)
@@ -91,6 +95,7 @@ def to_pyuff(of: Any) -> List[Dict[str, Any]]:
     Record: a dataset 58 per channel; Frf and Bode: one per output and input, complex; Modes: a dataset 55 per
     mode with the platform's motion about its mass centre at node 1. Nodes count channels from 1; of Bode node 1
     is the point. pyuff is not needed. hydrapod writes such files itself: export(), Record.write().
+    Raises TypeError for other results.
     """
     if isinstance(of, Record):
         return [_function(_time_function, of.time, of.samples[:, k], (k + 1, _direction(of.directions[k])), (0, 0),

@@ -2,28 +2,60 @@
 
 from __future__ import annotations
 
+import json
+import operator
 import os
 from typing import Any, Iterator, List, Mapping, Optional, Tuple, Union
 
-from . import _core
+import numpy as np
+
+from . import _checks, _core
 
 Quantity = Union[float, int, str]
-Value = Union[Quantity, bool, List[Any], Tuple[Any, ...]]
+Value = Union[Quantity, bool, List[Any], Tuple[Any, ...], "Parameters"]
 
 
 def _toml(value: Value) -> str:
     """`value` as an override has it."""
     if isinstance(value, str):
         return value
-    if isinstance(value, bool):
+    if isinstance(value, (bool, np.bool_)):
         return "true" if value else "false"
+    if isinstance(value, Parameters):
+        value = list(value)
     if isinstance(value, (list, tuple)) or hasattr(value, "tolist") and not hasattr(value, "__float__"):
         items = value if isinstance(value, (list, tuple)) else value.tolist()
-        return "[" + ", ".join(f'"{v}"' if isinstance(v, str) else _toml(v) for v in items) + "]"
+        texts = [json.dumps(v, ensure_ascii=False) if isinstance(v, str) else _toml(v) for v in items]
+        return f"[{', '.join(texts)}]"
     try:
         return repr(float(value))
     except (TypeError, ValueError):
         raise TypeError(f"expected a number, a text with a unit or a list of these, got {value!r}") from None
+
+
+def _pose(pose: Any) -> str:
+    if not isinstance(pose, str):
+        raise TypeError(f"pose: expected a pose of the file or displacements as a text, such as \"z=50 mm, ry=5 deg\", "
+                        f"got {pose!r}")
+    return _utf8(pose, "pose")
+
+
+def _utf8(text: Any, name: str) -> str:
+    """A text that can be written; names of files with bytes of no known encoding cannot."""
+    try:
+        _checks.word(text, name).encode()
+    except UnicodeEncodeError:
+        raise ValueError(f"{name}: {text!r} is no text in UTF-8") from None
+    if "\0" in text:
+        raise ValueError(f"{name}: {text!r} has a character 0")
+    return str(text)
+
+
+def _lines(overrides: Mapping[str, Value]) -> List[str]:
+    """As --set has them."""
+    if not isinstance(overrides, Mapping):
+        raise TypeError(f"overrides: expected a dict {{PATH: value}}, got {overrides!r}")
+    return [f"{_checks.word(path, 'overrides')}={_toml(value)}" for path, value in overrides.items()]
 
 
 class Parameters:
@@ -40,15 +72,39 @@ class Parameters:
             raise AttributeError(name)
         return self._machine._at(f"{self._path}.{name}")
 
+    def __setattr__(self, name: str, value: object) -> None:
+        if name in self.__slots__:
+            object.__setattr__(self, name, value)
+            return
+        path = f"{self._path}.{name}"
+        raise AttributeError(f"a machine does not change; use machine.with_({{\"{path}\": {value!r}}}), "
+                             "which gives another one")
+
     def __getitem__(self, key: Union[int, str]) -> Any:
         """An element of an array, counted from 0, or a key: machine.leg["3"]."""
-        return self._machine._at(f"{self._path}[{key}]" if isinstance(key, int) else f"{self._path}.{key}")
+        if isinstance(key, str):
+            return self._machine._at(f"{self._path}.{key}")
+        number, count = operator.index(key), self._count()
+        if not -count <= number < count:
+            raise IndexError(f"{self._path} has {count} elements, not one of number {number}")
+        return self._machine._at(f"{self._path}[{number % count}]")
+
+    def _count(self) -> int:
+        """Elements of an array; 0: it is none."""
+        ends = [path[len(self._path) + 1:].split("]")[0] for path in self._machine.paths
+                if path.startswith(self._path + "[")]
+        return len(set(ends))
+
+    def __len__(self) -> int:
+        return self._count() or len(self.__dir__())
 
     def __dir__(self) -> List[str]:
         return sorted(self._machine._keys_below(self._path))
 
-    def __iter__(self) -> Iterator[str]:
-        return iter(self.__dir__())
+    def __iter__(self) -> Iterator[Any]:
+        """Elements of an array, else keys."""
+        count = self._count()
+        return iter([self[k] for k in range(count)] if count else self.__dir__())
 
     def __repr__(self) -> str:
         rows = [
@@ -76,8 +132,12 @@ class Machine:
     def __init__(self, text: str, *, path: str = "machine.toml", overrides: Mapping[str, Value] = {},
                  pose: str = "neutral", model: Optional[str] = None):
         """From the text of a machine file; `path`: what messages call it. See read_machine()."""
-        lines = [f"{key}={_toml(value)}" for key, value in overrides.items()]
-        self._set(_core.read_machine(path, text, lines, pose, model), pose, model)
+        lines = _lines(overrides)
+        self._read(path, _checks.word(text, "text"), lines, pose, model)
+
+    def _read(self, path: str, text: Optional[str], overrides: List[str], pose: str, model: Optional[str]) -> None:
+        pose, model = _pose(pose), None if model is None else _checks.word(model, "model")
+        self._set(_core.read_machine(_utf8(path, "path"), text, overrides, pose, model), pose, model)
 
     def _set(self, core: _core.Machine, pose: str, model: Optional[str]) -> None:
         object.__setattr__(self, "_core_machine", core)
@@ -88,7 +148,7 @@ class Machine:
     def _made(cls, path: str, text: Optional[str], overrides: List[str], pose: str,
               model: Optional[str]) -> "Machine":
         machine = cls.__new__(cls)
-        machine._set(_core.read_machine(path, text, overrides, pose, model), pose, model)
+        machine._read(path, text, overrides, pose, model)
         return machine
 
     @classmethod
@@ -104,10 +164,12 @@ class Machine:
 
     @property
     def name(self) -> str:
+        """Name of the machine in its file."""
         return self._core_machine.name
 
     @property
     def description(self) -> str:
+        """Its description in the file."""
         return self._core_machine.description
 
     @property
@@ -137,6 +199,7 @@ class Machine:
 
     @property
     def pose(self) -> str:
+        """Its pose: a name or displacements."""
         return self._core_machine.pose
 
     @property
@@ -151,6 +214,7 @@ class Machine:
 
     @property
     def warnings(self) -> List[str]:
+        """What is doubtful in the file: a list of sentences."""
         return self._core_machine.warnings
 
     # --- numbers ----------------------------------------------------------------------------------
@@ -162,11 +226,19 @@ class Machine:
 
     def __getitem__(self, path: str) -> float:
         """The number at `path` [SI]. Raises InputError naming the nearest path."""
-        return self._core_machine.value(path)
+        return self._core_machine.value(_checks.word(path, "path"))
+
+    def __contains__(self, path: object) -> bool:
+        """Whether the machine holds a number at `path`."""
+        return path in self.paths
+
+    def __iter__(self) -> Iterator[str]:
+        """Over `paths`."""
+        return iter(self.paths)
 
     def unit(self, path: str) -> str:
         """Its SI unit, "1" for pure numbers."""
-        return self._core_machine.unit(path)
+        return self._core_machine.unit(_checks.word(path, "path"))
 
     def _keys_below(self, path: str) -> List[str]:
         keys = set()
@@ -199,7 +271,7 @@ class Machine:
         A value is a number in SI, a text with a unit, or a list of these. They are laid over the file as
         --set of the command line is, and everything is checked again. Raises InputError.
         """
-        lines = self.overrides + [f"{key}={_toml(value)}" for key, value in {**overrides, **more}.items()]
+        lines = self.overrides + _lines({**overrides, **more})
         return self._made(self.path, self.text, lines, self._pose, self._model)
 
     def at(self, pose: str) -> "Machine":
@@ -249,7 +321,7 @@ def read_machine(path: Union[str, "os.PathLike[str]"], *, overrides: Mapping[str
         raise TypeError(f"path: expected a text or a path, got {path!r}")
     if "\n" in name:
         return Machine(name, overrides=overrides, pose=pose, model=model)
-    lines = [f"{key}={_toml(value)}" for key, value in overrides.items()]
+    lines = _lines(overrides)
     return Machine._made(name, None, lines, pose, model)
 
 

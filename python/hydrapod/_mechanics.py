@@ -6,20 +6,22 @@ from typing import Any, List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
-from . import _core
+from . import _checks, _core
+from ._checks import Texts
 from ._core import ModesAtAmplitudes
 from ._machine import Machine, Quantity
-from ._tasks import Texts, _core_of, _list
+from ._tasks import _core_of
+
+
+_rest = (0.0,) * 6
 
 
 def _rows(given: Any, name: str) -> Tuple[Any, bool]:
     """N × 6 numbers, and whether there was one row alone."""
-    array = np.asarray(np.zeros(6) if given is None else given)
-    if array.dtype.kind not in "fiu":
-        raise TypeError(f"{name}: expected real numbers, got an array of {array.dtype}")
+    array = _checks.real_array(given, name)
     if array.ndim not in (1, 2) or array.shape[-1] != 6:
         raise ValueError(f"{name}: expected six numbers or an array of poses × 6, got shape {array.shape}")
-    return np.ascontiguousarray(np.atleast_2d(array), dtype=float), array.ndim == 1
+    return np.ascontiguousarray(np.atleast_2d(array)), array.ndim == 1
 
 
 def leg_lengths(machine: Machine, displacements: Any = None) -> Any:
@@ -27,8 +29,9 @@ def leg_lengths(machine: Machine, displacements: Any = None) -> Any:
 
     displacements: x, y, z [m], rx, ry, rz [rad]: roll, pitch and yaw, R = Rz Ry Rx, as in the text of a pose.
     Whether the legs reach is not checked; read_machine(…, pose=…) does.
+    Raises TypeError or ValueError for arrays that are no rows of six finite numbers.
     """
-    rows, single = _rows(displacements, "displacements")
+    rows, single = _rows(_rest if displacements is None else displacements, "displacements")
     lengths = _core.leg_lengths(_core_of(machine), rows)
     return lengths[0] if single else lengths
 
@@ -37,8 +40,9 @@ def leg_jacobian(machine: Machine, displacements: Any = None) -> Any:
     """J (6, 6), or (N, 6, 6) at displacements: rates of the legs from the platform's twist, l̇ = J (v; ω).
 
     v is the velocity of the platform frame's origin [m/s], ω the angular velocity [rad/s], in base axes.
+    Raises as leg_lengths().
     """
-    rows, single = _rows(displacements, "displacements")
+    rows, single = _rows(_rest if displacements is None else displacements, "displacements")
     jacobians = _core.leg_jacobian(_core_of(machine), rows)
     return jacobians[0] if single else jacobians
 
@@ -48,9 +52,10 @@ def forward_kinematics(machine: Machine, lengths: Any, *, start: Any = None) -> 
 
     start: displacement to begin at, one or one for each row; a hexapod has up to 40 poses for the same lengths,
     and the one near the start is found, to 1e-12 m. A row is NaN where none is found.
+    Raises as leg_lengths().
     """
     rows, single = _rows(lengths, "lengths")
-    starts, _ = _rows(start, "start")
+    starts, _ = _rows(_rest if start is None else start, "start")
     poses, _residuals = _core.forward_kinematics(_core_of(machine), rows, starts)
     return poses[0] if single else poses
 
@@ -64,7 +69,7 @@ def modes_at_amplitudes(machine: Machine, amplitudes: Any) -> ModesAtAmplitudes:
     counted from 0; directions (m); from_long_swings (m), of second branches of modes.
     Raises ValueError for amplitudes that do not ascend. Source: docs/theory/amplitude.md.
     """
-    values = np.atleast_1d(np.asarray(amplitudes, dtype=float))
+    values = np.atleast_1d(_checks.real_array(amplitudes, "amplitudes"))
     if values.ndim != 1:
         raise ValueError(f"amplitudes: expected a number or a list, got shape {values.shape}")
     return _core.modes_at_amplitudes(_core_of(machine), values.tolist())
@@ -80,7 +85,10 @@ class PoseQuality(NamedTuple):
 
 
 def pose_quality(machine: Machine) -> PoseQuality:
-    """Condition, singular values and weakest direction of the Jacobian at the machine's pose."""
+    """Condition, singular values and weakest direction of the Jacobian at the machine's pose.
+
+    Lengths are divided by characteristic_length [m]; see PoseQuality.
+    """
     return PoseQuality(**_core.pose_quality(_core_of(machine)))
 
 
@@ -97,6 +105,7 @@ def static_equilibrium(machine: Machine) -> StaticEquilibrium:
     """Oil forces and bends of the legs at rest at the machine's pose, with its model.
 
     Raises ComputationError where the machine does not stand: no equilibrium, or a leg that folds.
+    oil_force [N], flexible [rad, m]: see StaticEquilibrium.
     """
     return StaticEquilibrium(**_core.static_equilibrium(_core_of(machine)))
 
@@ -112,7 +121,10 @@ class Buckling(NamedTuple):
 
 
 def buckling(machine: Machine) -> Buckling:
-    """Payload at which seals and legs buckle at the machine's pose, and strengths of the legs as columns."""
+    """Payload at which seals and legs buckle at the machine's pose, and strengths of the legs as columns.
+
+    payload [kg], column_strength and euler_force [N]: see Buckling.
+    """
     return Buckling(**_core.buckling(_core_of(machine)))
 
 
@@ -138,5 +150,7 @@ def sample_signals(signals: Texts, *, rate: Quantity = 1000.0, duration: Optiona
     if not hertz > 0:
         raise ValueError(f"rate: expected more than 0 Hz, got {hertz}")
     seconds = None if duration is None else _core.quantity(duration, "s", "duration")
-    values, rates, texts, period = _core.sample_signals(_list(signals), hertz, seconds, unit, excitation, seed)
+    values, rates, texts, period = _core.sample_signals(
+        _checks.words(signals, "signals"), hertz, seconds, _checks.word(unit, "unit"),
+        _checks.flag(excitation, "excitation"), _checks.whole(seed, "seed", 0, 2**64 - 1))
     return SampledSignals(np.arange(len(values)) / hertz, values, rates, texts, period)

@@ -26,6 +26,8 @@ def _expect(thing: Any, *types: type) -> None:
 def _figure(figure: Any, width: float, height: float) -> Any:
     """A figure of its own, which no window shows and nobody has to close."""
     if figure is not None:
+        if not hasattr(figure, "subplots") or not hasattr(figure, "suptitle"):
+            raise TypeError(f"figure: expected a Figure of matplotlib, got {figure!r}")
         return figure
     from matplotlib.backends.backend_agg import FigureCanvasAgg  # type: ignore[import]
     from matplotlib.figure import Figure  # type: ignore[import]
@@ -123,8 +125,10 @@ def plot_modes(modes: Modes, *, platform_only: bool = True, figure: Any = None) 
 
 def _entries(given: Optional[Sequence[Tuple[str, str]]]) -> List[Tuple[int, int]]:
     pairs = [(d, d) for d in directions] if given is None else list(given)
+    if not pairs:
+        raise ValueError("entries: expected at least one pair (output, input)")
     for pair in pairs:
-        if len(pair) != 2 or pair[0] not in directions or pair[1] not in directions:
+        if not isinstance(pair, (tuple, list)) or len(pair) != 2 or not set(pair) <= set(directions):
             raise ValueError(f"entries: expected pairs (output, input) of {', '.join(directions)}, got {pair!r}")
     return [(directions.index(o), directions.index(i)) for o, i in pairs]
 
@@ -188,7 +192,8 @@ def plot_bode(bode: Any, entries: Optional[Sequence[Tuple[str, str]]] = None, *,
         _frequency_axis(below, bode.frequency_hz)
     _legend(figure, cells[0][0])
     _titles(figure, f"{document['machine']['name']}: {document['output']} from {document['input']}",
-            f"pose {document['pose']['name']}, {document['model']} model; machine: {document['machine']['state']}")
+            f"pose {document['pose']['name']}, {document['model']} model; machine: {document['machine']['state']}"
+            + ("" if bode.stable else "; unstable, so that no steady vibration exists"))
     return figure
 
 
@@ -201,7 +206,12 @@ def plot_fit(identified: Identified, entries: Optional[Sequence[Tuple[str, str]]
     _expect(identified, Identified)
     outputs, inputs = identified.outputs, identified.inputs
     if entries is not None:
-        for output, input in entries:
+        if not len(entries):
+            raise ValueError("entries: expected at least one pair (output, input)")
+        for pair in entries:
+            if not isinstance(pair, (tuple, list)) or len(pair) != 2:
+                raise ValueError(f"entries: expected pairs (output, input), got {pair!r}")
+            output, input = pair
             if output not in outputs or input not in inputs:
                 raise ValueError(f"entries: no response {output!r} from {input!r}; outputs are {', '.join(outputs)}, "
                                  f"inputs {', '.join(inputs)}")
@@ -283,6 +293,8 @@ def plot_map(study: Study, value: str = "lowest", *, figure: Any = None) -> Any:
     _expect(study, Study)
     if study.kind == "montecarlo" or len(study.shape) != study.input_count or study.input_count > 2:
         raise ValueError("plot_map: expected a grid over one or two inputs, of sweep() or workspace_map()")
+    if not study.complete:
+        raise ValueError(f"plot_map: the study was interrupted; it has {len(study)} rows, not the whole grid")
     values = study[value]
     unit = study.units[study.names.index(value)] if value in study.names else "1"
     label = f"{value} [{unit}]" if unit != "1" else value

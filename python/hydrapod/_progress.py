@@ -3,7 +3,38 @@
 from __future__ import annotations
 
 import sys
-from typing import Any, Optional
+from contextlib import contextmanager
+from typing import Any, Callable, Iterator, Optional
+
+from ._errors import ComputationError, InputError
+
+
+@contextmanager
+def all_or_none(progress: Optional[Callable[[float], Optional[bool]]], *, parts: bool = False) -> Iterator[Any]:
+    """What to give a task as `progress`: a task that was stopped raises ComputationError and gives no part of a result
+    as if it were the whole. parts: its results say themselves that they are parts."""
+    if progress is None:
+        yield None
+        return
+    if not callable(progress):
+        raise TypeError(f"progress: expected a callable that gets the share done, got {progress!r}")
+    stopped = False
+    ask = progress
+
+    def told(share: float) -> bool:
+        nonlocal stopped
+        stop = bool(ask(share))
+        stopped = stopped or stop and share < 1.0
+        return stop
+
+    try:
+        yield told
+    except (ComputationError, InputError):
+        if stopped:
+            raise ComputationError("interrupted: progress asked to stop") from None
+        raise
+    if stopped and not parts:
+        raise ComputationError("interrupted: progress asked to stop")
 
 
 def progress_bar(label: str = "") -> "ProgressBar":

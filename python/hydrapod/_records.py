@@ -6,41 +6,55 @@ import os
 import shutil
 import tempfile
 from contextlib import contextmanager
-from typing import Any, Iterator, List, Optional, Sequence, Union
+from typing import Any, Iterable, Iterator, List, Optional, Sequence, Union
 
 import numpy as np
 
-from . import _core
+from . import _checks, _core
+from ._checks import Texts
+from ._machine import Quantity
 
 
 class Record:
     """Channels sampled together, in SI and radians.
 
-    samples: samples × channels, read-only; a missing sample is NaN. Made by read_record(), or from arrays:
+    samples: samples × channels, read-only; a missing sample is NaN. warnings: what was done with units and the like, a
+    list of sentences. path: the file that was read; None: made from arrays. Made by read_record(), or from arrays:
 
         Record(samples, 1000.0, ["force", "a1"], units=["N", "m/s^2"], roles=["excitation", "response"])
 
-    Units that are plain scales ("mm", "kN", "bar") are brought to SI. roles: excitation, drive, response or
+    samples may be any array of real numbers; masked ones are missing. Units that are plain scales ("mm", "kN", "bar")
+    are brought to SI; "g" is 9.80665 m/s². roles: excitation, drive, response or
     other. directions: "x" … "rz", "-x" …, "leg 1" …, "" for none. Raises InputError or ValueError.
     """
 
     __slots__ = ("_core_record", "warnings", "path", "__weakref__")
 
-    def __init__(self, samples: Any, sample_rate: float, channels: Sequence[str], *,
-                 units: Optional[Sequence[str]] = None, roles: Optional[Sequence[str]] = None,
-                 directions: Optional[Sequence[str]] = None, start: float = 0.0, title: str = "",
+    _core_record: _core.Record
+    warnings: List[str]
+
+    def __init__(self, samples: Any, sample_rate: Quantity, channels: Texts, *,
+                 units: Optional[Texts] = None, roles: Optional[Texts] = None,
+                 directions: Optional[Texts] = None, start: Quantity = 0.0, title: str = "",
                  notes: str = ""):
-        array = np.asarray(samples)
-        if array.dtype.kind not in "fiu":
-            raise TypeError(f"samples: expected real numbers, got an array of {array.dtype}")
-        names = list(channels)
+        array = np.ascontiguousarray(_checks.real_array(samples, "samples", missing=True))
+        names = _checks.words(channels, "channels")
         count = len(names)
-        self._core_record = _core.record(
-            np.ascontiguousarray(array, dtype=float), float(sample_rate), float(start), names,
-            ["1"] * count if units is None else list(units),
-            ["other"] * count if roles is None else list(roles),
-            [""] * count if directions is None else list(directions), title, notes)
-        self.warnings: List[str] = []
+        if array.ndim == 2 and array.shape[1] != count:
+            advice = "; transpose it" if array.shape[0] == count else ""
+            raise ValueError(f"samples: expected an array of samples × {count} channels, got shape "
+                             f"{array.shape}{advice}")
+
+        def of_channels(given: Optional[Texts], name: str, otherwise: str) -> List[str]:
+            texts = [otherwise] * count if given is None else _checks.words(given, name)
+            if len(texts) != count:
+                raise ValueError(f"{name}: expected {count}, one for each channel, got {len(texts)}")
+            return texts
+
+        self._core_record, self.warnings = _core.record(
+            array, _core.quantity(sample_rate, "Hz", "sample_rate"), _core.quantity(start, "s", "start"), names,
+            of_channels(units, "units", "1"), of_channels(roles, "roles", "other"),
+            of_channels(directions, "directions", ""), _checks.word(title, "title"), _checks.word(notes, "notes"))
         self.path: Optional[str] = None
 
     @classmethod
@@ -53,22 +67,27 @@ class Record:
 
     @property
     def samples(self) -> Any:
+        """(N, channels) [SI], read-only; NaN: missing."""
         return self._core_record.samples
 
     @property
     def channels(self) -> List[str]:
+        """Their names."""
         return self._core_record.channels
 
     @property
     def units(self) -> List[str]:
+        """Their SI units."""
         return self._core_record.units
 
     @property
     def roles(self) -> List[str]:
+        """excitation, drive, response or other, of each channel."""
         return self._core_record.roles
 
     @property
     def directions(self) -> List[str]:
+        """x … rz, -x …, leg 1 … of each channel; empty: none."""
         return self._core_record.directions
 
     @property
@@ -88,14 +107,17 @@ class Record:
 
     @property
     def title(self) -> str:
+        """Title of the record."""
         return self._core_record.title
 
     @property
     def notes(self) -> str:
+        """Notes of who measured."""
         return self._core_record.notes
 
     @property
     def date(self) -> str:
+        """When it was measured; empty: not known."""
         return self._core_record.date
 
     @property
@@ -109,6 +131,11 @@ class Record:
             return self.samples[:, self.channels.index(channel)]
         except ValueError:
             raise KeyError(f"no channel {channel!r}; there are {', '.join(self.channels)}") from None
+
+    def __contains__(self, channel: object) -> bool:
+        return channel in self.channels
+
+    __iter__ = None  # neither over samples nor over channels; say which
 
     def __len__(self) -> int:
         return int(self.samples.shape[0])
@@ -125,23 +152,34 @@ class Record:
             self.samples, dims=("time", "channel"),
             coords={"time": self.time, "channel": self.channels, "unit": ("channel", self.units)})
 
+    def __copy__(self) -> "Record":
+        return self
+
+    def __deepcopy__(self, memo: Any) -> "Record":
+        return self
+
+    def __reduce__(self) -> Any:
+        raise TypeError("a Record cannot be pickled; write() it, and read_record() the file")
+
     def __repr__(self) -> str:
         return (f"<Record {self.title!r}: {len(self)} samples × {len(self.channels)} channels "
                 f"at {self.sample_rate:g} Hz>")
 
 
-def read_record(path: Union[str, "os.PathLike[str]"], *, rate: Optional[float] = None) -> Record:
+def read_record(path: Union[str, "os.PathLike[str]"], *, rate: Optional[Quantity] = None) -> Record:
     """Reads a whole record: HDF5, MAT, CSV, Universal File or RPC III (docs/howto/record.md).
 
     rate: sample rate [Hz] of files that do not tell it. Raises InputError.
     """
     name = os.fspath(path)
-    core, warnings = _core.read_record(name, rate)
+    if not isinstance(name, str):
+        raise TypeError(f"path: expected a text or a path, got {path!r}")
+    core, warnings = _core.read_record(name, None if rate is None else _core.quantity(rate, "Hz", "rate"))
     return Record._of(core, warnings, name)
 
 
 Path = Union[str, "os.PathLike[str]"]
-Measured = Union[Path, Record, Sequence[Union[Path, Record]]]
+Measured = Union[Path, Record, _core.Result, Sequence[Union[Path, Record, _core.Result]]]
 
 
 def _folder_for(size: int) -> Optional[str]:
@@ -156,9 +194,12 @@ def _folder_for(size: int) -> Optional[str]:
 
 @contextmanager
 def files_of(measured: Measured) -> Iterator[List[str]]:
-    """Paths of what was measured; records in memory are in files of their own for the time of a task."""
-    single = isinstance(measured, (str, os.PathLike, Record))
-    items: List[Any] = [measured] if single else list(measured)  # type: ignore[arg-type]
+    """Paths of what was measured; records and results in memory are in files of their own for the time of a task."""
+    single = isinstance(measured, (str, os.PathLike, Record, _core.Result))
+    items: List[Any] = [measured] if single else list(measured) if isinstance(measured, Iterable) else []
+    if not single and (isinstance(measured, np.ndarray) or not isinstance(measured, Iterable)):
+        advice = "; Record(samples, rate, channels) makes a record" if isinstance(measured, np.ndarray) else ""
+        raise TypeError(f"expected a file, a Record, a result or a list of these, got {measured!r}{advice}")
     size = sum(item.samples.nbytes for item in items if isinstance(item, Record))
     with tempfile.TemporaryDirectory(prefix="hydrapod-", dir=_folder_for(size)) as folder:
         paths = []
@@ -167,6 +208,13 @@ def files_of(measured: Measured) -> Iterator[List[str]]:
                 path = os.path.join(folder, f"record-{number + 1}.mat")
                 item.write(path)
                 paths.append(path)
+            elif isinstance(item, _core.Result):
+                paths.append(os.path.join(folder, f"result-{number + 1}.json"))
+                with open(paths[-1], "w", encoding="utf-8") as file:
+                    file.write(item.json)
             else:
-                paths.append(os.fspath(item))
+                try:
+                    paths.append(os.fspath(item))
+                except TypeError:
+                    raise TypeError(f"expected a file, a Record or a result, got {item!r}") from None
         yield paths

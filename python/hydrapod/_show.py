@@ -13,11 +13,14 @@ from . import _core
 Table = Tuple[str, List[str], Sequence[Sequence[str]], str]  # heading, titles, rows, words below
 
 
-def _modes(m: Any) -> Table:
-    felt = m.moves_platform
+def _model_modes(m: Any) -> Table:
     rows = [(str(k + 1), f"{f:.3f}", f"{100 * z:.2f} %", label)
             for k, (f, z, label) in enumerate(zip(m.frequency_hz, m.damping_ratio, m.labels))]
-    return f"{len(felt)} modes", ["mode", "Hz", "damping", "motion, compliance"], rows, m.answer.strip()
+    return f"{len(rows)} modes", ["mode", "Hz", "damping", "motion, compliance"], rows, ""
+
+
+def _modes(m: Any) -> Table:
+    return (*_model_modes(m)[:3], m.answer.strip())
 
 
 def _system(s: Any) -> Table:
@@ -125,12 +128,19 @@ def _compared_to_pandas(compared: Any) -> Any:
     return pandas.DataFrame(compared.columns)
 
 
+def _doubt(response: Any, words: str) -> str:
+    return "" if response.stable else f"; {words}, so that no steady vibration exists"
+
+
 def _plain(words: Callable[[Any], str]) -> Callable[[Any], Table]:
     return lambda result: (words(result), [], [], "")
 
 
 _tables: Dict[type, Callable[[Any], Table]] = {
     _core.Modes: _modes,
+    _core.ModelModes: _model_modes,
+    _core.Superelement: _plain(lambda s: f"{len(s.coordinates)} coordinates, {len(s.coordinates) - 6} of them modes of "
+                                         "the legs"),
     _core.System: _system,
     _core.Check: _check,
     _core.Sensitivity: _sensitivity,
@@ -147,8 +157,10 @@ _tables: Dict[type, Callable[[Any], Table]] = {
                                                               else "continuous")),
     _core.RootLocus: _plain(lambda r: f"root locus over {r.key}, {len(r.values)} values, limits {r.limits}"),
     _core.Bode: _plain(lambda b: f"6×6 response at {len(b.omega)} frequencies, {b.frequency_hz[0]:.4g} Hz "
-                                 f"to {b.frequency_hz[-1]:.4g} Hz, flexible and rigid legs"),
-    _core.CommandResponse: _plain(lambda r: f"command to pose at {len(r.omega)} frequencies"),
+                                 f"to {b.frequency_hz[-1]:.4g} Hz, flexible and rigid legs"
+                                 + _doubt(b, "the machine is unstable at this pose")),
+    _core.CommandResponse: _plain(lambda r: f"command to pose at {len(r.omega)} frequencies"
+                                            + _doubt(r, "the loop is unstable")),
     _core.Frf: _plain(lambda f: f"responses of {len(f.outputs)} outputs to {len(f.inputs)} inputs at "
                                 f"{len(f.frequency_hz)} lines"),
     _core.Simulation: _plain(lambda s: f"{s.simulated:.6g} s simulated of {s.until:.6g} s: "
@@ -181,6 +193,7 @@ def page(result: Any) -> str:
 
 
 def _record_array(modes: Any) -> Any:
+    """A row per mode, as a NumPy record array: frequency_hz, damping_ratio, omega, moves_platform, label."""
     names = ("frequency_hz", "damping_ratio", "omega", "moves_platform")
     labels = np.array(modes.labels, dtype=str)
     columns = [np.asarray(getattr(modes, name)) for name in names] + [labels]
@@ -192,13 +205,14 @@ def _record_array(modes: Any) -> Any:
 
 
 def _to_pandas(modes: Any) -> Any:
+    """A row per mode, as a pandas.DataFrame (needs pandas)."""
     import pandas
 
     return pandas.DataFrame.from_records(_record_array(modes))
 
 
 def _damping_matrix(modes: Any) -> Any:
-    """C + M Φ diag(2 ζ ω) Φᵀ M: with the modal damping ratio ζ of the machine."""
+    """C + M Φ diag(2 ζ ω) Φᵀ M (dof, dof), ζ: modal damping ratio of the machine, Φ and ω: modes without damping."""
     model = modes.flexible if isinstance(modes, _core.Modes) else modes
     M, K, C = (np.array(matrix) for matrix in (model.M, model.K, model.C))
     ratio = model.modal_damping_ratio
@@ -213,9 +227,10 @@ def _damping_matrix(modes: Any) -> Any:
 
 def attach() -> None:
     """Gives the classes of the extension what is written in Python."""
-    result: Any = _core.Result
-    result.__repr__ = text
-    result._repr_html_ = page
+    shown: List[Any] = [_core.Result, _core.ModelModes, _core.Superelement]
+    for result in shown:
+        result.__repr__ = text
+        result._repr_html_ = page
     modes: Any = _core.Modes
     for name in ("frequency_hz", "omega", "damping_ratio", "poles", "labels", "moves_platform", "stable",
                  "shapes", "coordinates", "M", "K", "C", "modal_damping_ratio"):

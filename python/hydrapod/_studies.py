@@ -3,29 +3,40 @@
 from __future__ import annotations
 
 import os
+import re
 import tempfile
 from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple
 
 import numpy as np
 
-from . import _core
+from . import _checks, _core
+from ._checks import Texts
 from ._core import Design, Study
+from ._errors import ComputationError
 from ._machine import Machine
 from ._records import Path
-from ._tasks import Progress, Texts, _core_of, _list, _options
+from ._tasks import Progress, _core_of
 
 Over = Mapping[str, Any]
 Outputs = Mapping[str, Callable[[Machine], float]]
 
 
+def _paths(given: Any, name: str) -> Mapping[str, Any]:
+    """A mapping with texts as keys."""
+    if not isinstance(given, Mapping):
+        raise TypeError(f"{name}: expected a dict with texts as keys, got {given!r}")
+    _checks.words(given, name)
+    return given
+
+
 def _texts(varied: Over) -> Dict[str, str]:
     """Ranges and lists as the command line has them; arrays are lists of numbers in SI."""
     texts = {}
-    for path, given in varied.items():
+    for path, given in _paths(varied, "over").items():
         if isinstance(given, str):
             texts[path] = given
             continue
-        values = np.atleast_1d(np.asarray(given, dtype=float))
+        values = np.atleast_1d(_checks.real_array(given, path))
         if values.ndim != 1 or not len(values) or not np.isfinite(values).all():
             raise ValueError(f"{path}: expected a text such as \"2:20:10 kN/mm\" or finite numbers in one dimension")
         texts[path] = ", ".join(repr(float(value)) for value in values)
@@ -36,12 +47,49 @@ def _run(machine: Machine, kind: str, progress: Optional[Progress], results: Opt
          **options: Any) -> Study:
     shard = options.pop("shard", None)
     if shard is not None:
-        options["shard"] = tuple(shard)
+        pair = tuple(shard) if isinstance(shard, (tuple, list)) else ()
+        if len(pair) != 2:
+            raise ValueError(f"shard: expected (i, n), got {shard!r}")
+        options["shard"] = tuple(_checks.whole(one, "shard") for one in pair)
     if results is None and (shard is not None or options.get("resume") or options.get("join")):
         raise ValueError("results: shard, resume and join need the file of the rows")
     with tempfile.TemporaryDirectory(prefix="hydrapod-") as folder:
         path = os.path.join(folder, "study.h5") if results is None else os.fspath(results)
-        return _core.study(_core_of(machine), kind, _options(results=path, **options), progress)
+        return _core.study(_core_of(machine), kind, _checks.options(results=path, **options), progress)
+
+
+def _with_outputs(machine: Machine, kind: str, progress: Optional[Progress], results: Optional[Path],
+                  outputs: Optional[Outputs], **options: Any) -> Study:
+    """A study with columns of functions; the study is the first part of the progress, each column one more."""
+    functions = dict(_paths({} if outputs is None else outputs, "outputs"))
+    for name, function in functions.items():
+        _checked_function(function, name)
+        if name in options["over"] or _is_column(name):
+            raise ValueError(f"outputs: {name}: the study has such a column itself")
+    parts = 1 + len(functions)
+
+    def part(k: int) -> Optional[Progress]:
+        if progress is None:
+            return None
+        ask: Progress = progress
+        return lambda share: ask((k + share) / parts)
+
+    study = _run(machine, kind, progress if parts == 1 else part(0), results, **options)
+    for k, (name, function) in enumerate(functions.items()):
+        study.add(name, evaluate(study, function, progress=part(k + 1)) if study.complete else
+                  np.full(len(study.values), np.nan))
+    return study
+
+
+def _is_column(name: str) -> bool:
+    """Whether studies have a column of that name, or may have it."""
+    return re.fullmatch(r"status|lowest|direction|(drop|drop_|pose\.)?r?[xyz]|drop|condition|stroke|mac|mode\d+|"
+                        r"buckling.*", name) is not None
+
+
+def _checked_function(function: Any, name: str) -> None:
+    if not callable(function):
+        raise TypeError(f"{name}: expected a function of a Machine, got {function!r}")
 
 
 def montecarlo(machine: Machine, vary: Mapping[str, str], *, want: Texts = (), samples: int = 10000, seed: int = 1,
@@ -60,9 +108,10 @@ def montecarlo(machine: Machine, vary: Mapping[str, str], *, want: Texts = (), s
     probability_interval (95 %), worst_rows; machine(row); to_records(), to_pandas(); the rest in to_dict().
     Raises InputError for a path, a distribution or a requirement that cannot be.
     """
-    return _run(machine, "montecarlo", progress, results, vary=dict(vary), want=_list(want), samples=samples,
-                seed=seed, design=design, indices=indices, modes=modes, buckling=buckling, threads=threads,
-                resume=resume, shard=shard, join=join)
+    return _run(machine, "montecarlo", progress, results,
+                vary={path: _checks.word(text, path) for path, text in _paths(vary, "vary").items()},
+                want=_checks.words(want, "want"), samples=samples, seed=seed, design=design, indices=indices,
+                modes=modes, buckling=buckling, threads=threads, resume=resume, shard=shard, join=join)
 
 
 def sweep(machine: Machine, over: Over, *, want: Texts = (), outputs: Optional[Outputs] = None,
@@ -72,14 +121,13 @@ def sweep(machine: Machine, over: Over, *, want: Texts = (), outputs: Optional[O
     """Modes over a grid of numbers of the file, or (design latin, sobol) over values that fill it evenly.
 
     over: {PATH: "2:20:10 kN/mm"}, a list "1, 2, 5 kN/mm", or an array in SI. outputs: {NAME: function of a
-    Machine} adds columns of your own: see Study.evaluate. Result: as montecarlo(); of a grid, shape are the
-    counts, study["x"].reshape(study.shape) the field.
+    Machine} adds columns of your own: see Study.evaluate; where progress stops the study they are NaN.
+    Result: as montecarlo(); of a grid, shape are the counts, study["x"].reshape(study.shape) the field.
+    Raises as montecarlo(); ValueError and TypeError for outputs that cannot be columns.
     """
-    study = _run(machine, "sweep", progress, results, over=_texts(over), want=_list(want), design=design,
-                 samples=samples, seed=seed, modes=modes, buckling=buckling, threads=threads, resume=resume)
-    for name, function in (outputs or {}).items():
-        study.add(name, evaluate(study, function))
-    return study
+    return _with_outputs(machine, "sweep", progress, results, outputs, over=_texts(over),
+                         want=_checks.words(want, "want"), design=design, samples=samples, seed=seed, modes=modes,
+                         buckling=buckling, threads=threads, resume=resume)
 
 
 def workspace_map(machine: Machine, over: Over, *, want: Texts = (), outputs: Optional[Outputs] = None,
@@ -89,12 +137,13 @@ def workspace_map(machine: Machine, over: Over, *, want: Texts = (), outputs: Op
 
     over: {DIRECTION: "-100:100:41 mm"} or arrays [m, rad]; directions x … rz, from the machine's pose.
     Result: as sweep(); the columns of the displacements are "pose.x" …, for "x" is the first resonance in x.
+    Raises as sweep(). outputs need a map from the pose neutral.
     """
-    study = _run(machine, "map", progress, results, over=_texts(over), want=_list(want), modes=modes,
-                 buckling=buckling, threads=threads, resume=resume)
-    for name, function in (outputs or {}).items():
-        study.add(name, evaluate(study, function))
-    return study
+    if outputs and machine.pose != "neutral":
+        raise ValueError(f"outputs: need a map from the pose neutral, and the machine is at {machine.pose}")
+    return _with_outputs(machine, "map", progress, results, outputs, over=_texts(over),
+                         want=_checks.words(want, "want"), modes=modes, buckling=buckling, threads=threads,
+                         resume=resume)
 
 
 def design(machine: Machine, change: Mapping[str, Any], *, minimise: Texts = (), maximise: Texts = (), want: Texts = (),
@@ -113,19 +162,21 @@ def design(machine: Machine, change: Mapping[str, Any], *, minimise: Texts = (),
     feasible is False, values are those of the least violation, and machine raises ComputationError.
     Raises InputError for a path, a range, a requirement or an aim that cannot be.
     """
-    return _core.design(_core_of(machine), _options(
-        change=_bounds(change), minimise=_list(minimise), maximise=_list(maximise), want=_list(want),
-        poses=_list(poses), samples=samples, seed=seed, starts=starts, trade_off=trade_off, threads=threads), progress)
+    return _core.design(_core_of(machine), _checks.options(
+        change=_bounds(change), minimise=_checks.words(minimise, "minimise"),
+        maximise=_checks.words(maximise, "maximise"), want=_checks.words(want, "want"),
+        poses=_checks.words(poses, "poses"), samples=samples, seed=seed, starts=starts, trade_off=trade_off,
+        threads=threads), progress)
 
 
 def _bounds(change: Mapping[str, Any]) -> Dict[str, str]:
     """Ranges as the command line has them; pairs are bounds in SI."""
     texts = {}
-    for path, given in change.items():
+    for path, given in _paths(change, "change").items():
         if isinstance(given, str):
             texts[path] = given
             continue
-        bounds = np.asarray(given, dtype=float)
+        bounds = _checks.real_array(given, path)
         if bounds.shape != (2,) or not np.isfinite(bounds).all():
             raise ValueError(f"{path}: expected a text such as \"1:50 kN/mm\" or two finite numbers")
         texts[path] = ":".join(repr(float(bound)) for bound in bounds)
@@ -154,7 +205,9 @@ def added_to(study: Any) -> Dict[str, Any]:
 
 def add(study: Any, name: str, values: Any) -> None:
     """Adds a column of your own: one number per row."""
-    array = np.asarray(values, dtype=float)
+    _checks.word(name, "name")
+    array = np.array(_checks.real_array(values, name, missing=True))  # one's own stays one's own
+    array.setflags(write=False)
     if array.shape != (len(study.values),):
         raise ValueError(f"{name}: expected {len(study.values)} numbers, got an array of shape {array.shape}")
     if name in study.names or name in added_to(study):
@@ -164,19 +217,38 @@ def add(study: Any, name: str, values: Any) -> None:
 
 def machine(study: Any, row: int) -> Machine:
     """The machine of a row: its numbers, and of a map its pose. Raises InputError where it cannot be."""
-    core = study.core_machine(row)
+    core = study.core_machine(_checks.whole(row, "row"))
     return Machine._wrapped(core)
 
 
-def evaluate(study: Any, function: Callable[[Machine], float]) -> Any:
-    """function(machine) for every row (N,); NaN where the row has no machine or no frequencies."""
-    if not callable(function):
-        raise TypeError(f"expected a function of a Machine, got {function!r}")
+def evaluate(study: Any, function: Callable[[Machine], float], *, progress: Optional[Progress] = None) -> Any:
+    """function(machine) for every row (N,): a real number.
+
+    NaN where the row has no machine or no frequencies, and where the function raises ComputationError; other
+    exceptions come through. progress: gets the share done; True stops with ComputationError.
+    """
+    _checked_function(function, "function")
     status = column(study, "status")
     values = np.full(len(status), np.nan)
-    for row in np.flatnonzero(status == 0):
-        values[row] = float(function(machine(study, int(row))))
+    rows = np.flatnonzero(status == 0)
+    for done, row in enumerate(rows):
+        if progress is not None and progress(done / len(rows)):
+            raise ComputationError(f"interrupted: the function was computed for {done} of {len(rows)} rows")
+        try:
+            found = function(machine(study, int(row)))
+        except ComputationError:
+            continue
+        values[row] = _result_of(found, int(row))
+    if progress is not None:
+        progress(1.0)
     return values
+
+
+def _result_of(found: Any, row: int) -> float:
+    array = np.asarray(found)
+    if array.size != 1 or array.dtype.kind not in "fiub":
+        raise TypeError(f"row {row}: expected a function that returns a real number, it returned {found!r}")
+    return float(array.reshape(())[()])
 
 
 def to_records(study: Any) -> Any:
@@ -199,6 +271,8 @@ def attach() -> None:
     cls: Any = Study
     cls.__getitem__ = column
     cls.__len__ = lambda study: len(study.values)
+    cls.__contains__ = lambda study, name: name in study.names or name in added_to(study)
+    cls.__iter__ = None  # neither over rows nor over columns; say which
     cls.add = add
     cls.machine = machine
     cls.evaluate = evaluate
@@ -225,19 +299,23 @@ class DesignFunction:
 
     def __init__(self, machine: Machine, paths: Texts, *, modes: int = 6, threads: int = 0):
         self.machine = machine
-        self.paths = _list(paths)
-        self.modes = modes
-        self.threads = threads
+        self.paths = _checks.words(paths, "paths")
+        self.modes = _checks.whole(modes, "modes")
+        self.threads = _checks.whole(threads, "threads")
         count = self.sample([[machine[path] for path in self.paths]]).shape[1]
         if not 1 <= modes <= count:
             raise ValueError(f"modes: expected 1 to {count}, got {modes}")
 
     def __call__(self, x: Any) -> List[float]:
-        return [float(value) for value in self.sample([list(x)])[0]]
+        design = np.atleast_1d(_checks.real_array(x, "x"))
+        if design.shape != (len(self.paths),):
+            raise ValueError(f"x: expected {len(self.paths)} numbers, got shape {design.shape}; sample(X) takes many "
+                             "designs")
+        return [float(value) for value in self.sample(design[np.newaxis])[0]]
 
     def sample(self, X: Any) -> Any:
         """(N, modes) of (N, paths) [SI]."""
-        array = np.ascontiguousarray(np.asarray(X, dtype=float))
+        array = np.ascontiguousarray(_checks.real_array(X, "X"))
         if array.ndim != 2 or array.shape[1] != len(self.paths):
             raise ValueError(f"X: expected an array of designs × {len(self.paths)}, got shape {array.shape}")
         found = _core.frequencies(_core_of(self.machine), self.paths, array, self.threads, None)

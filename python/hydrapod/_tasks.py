@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import numbers
 import os
 import tempfile
 from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
-from . import _core, _show
+from . import _checks, _core, _show
 from ._core import (
     Bode,
     Calibrated,
@@ -26,12 +27,13 @@ from ._core import (
     Simulation,
     System,
 )
+from ._checks import Texts
 from ._errors import ComputationError
-from ._machine import Machine, Quantity, _toml
+from ._machine import Machine, Quantity, _lines
+from ._progress import all_or_none
 from ._records import Measured, Path, Record, files_of
 
 Progress = Callable[[float], Optional[bool]]
-Texts = Union[str, Sequence[str]]
 
 _show.attach()
 
@@ -42,12 +44,12 @@ def _core_of(machine: Machine) -> _core.Machine:
     return machine._core_machine
 
 
-def _list(texts: Texts) -> List[str]:
-    return [texts] if isinstance(texts, str) else [str(text) for text in texts]
-
-
-def _options(**options: Any) -> Dict[str, Any]:
-    return {key: value for key, value in options.items() if value is not None}
+def _point(given: Any) -> List[Quantity]:
+    """Three lengths."""
+    items = [] if isinstance(given, str) else list(given) if hasattr(given, "__len__") else []
+    if len(items) != 3:
+        raise ValueError(f"point: expected three lengths, such as (0, 0, \"250 mm\"), got {given!r}")
+    return items
 
 
 # --- the machine near rest ------------------------------------------------------------------------
@@ -60,15 +62,16 @@ def modes(machine: Machine, *, matrices: bool = False) -> Modes:
 
     Result, n modes in ascending frequency, dof coordinates:
         frequency_hz, omega [rad/s], damping_ratio, poles [1/s]   (n,)
-        shapes                                                    (dof, n), φᵀ M φ = 1
+        shapes                                                    (dof, n), φᴴ M φ = 1
         M, K, C   [kg, N/m, N s/m and their rotational units]     (dof, dof)
         labels, moves_platform, coordinates                       lists
         damping_matrix()     C with the modal damping ratio in it (dof, dof)
         rigid                the same of the rigid-leg model
         answer               lowest mode the platform feels, in one sentence
-    Raises ComputationError where the machine does not stand at this pose.
+    A machine that buckles at this pose has unstable modes: stable is False, their frequency is 0.
+    Raises ComputationError where it has no equilibrium. Source: docs/theory/linear-model.md.
     """
-    return _core.modes(_core_of(machine), matrices)
+    return _core.modes(_core_of(machine), _checks.flag(matrices, "matrices"))
 
 
 def modes_at_poses(machine: Machine, poses: Texts) -> ModesAtPoses:
@@ -77,8 +80,10 @@ def modes_at_poses(machine: Machine, poses: Texts) -> ModesAtPoses:
     poses: names of the file or displacements from the neutral pose ("z=50 mm"). Result, m followed modes,
     p poses: frequency_hz (m, p), NaN where there is no such mode; mac (m, p) with the mode at the pose before;
     numbers (m, p), counted from 0, -1 for none; labels, poses.
+    frequency_hz [Hz], mac [1]. Raises InputError for a pose that is unknown or out of reach, ValueError for fewer
+    than two.
     """
-    return _core.modes_at_poses(_core_of(machine), _list(poses))
+    return _core.modes_at_poses(_core_of(machine), _checks.words(poses, "poses"))
 
 
 def system(machine: Machine, *, closed: bool = True, pade_order: int = 2) -> System:
@@ -89,8 +94,10 @@ def system(machine: Machine, *, closed: bool = True, pade_order: int = 2) -> Sys
     Result: A, B_command, B_velocity, B_valve, B_wrench, C, C_ground (against the ground), states, sampled (the
     matrix of the sampled loop), poles [1/s] (least damped in time first, one of each pair), damping_ratio,
     participation, stable (of the sampled loop), verdict, delay [s], sample_time [s].
+    Raises ComputationError where the supply cannot hold the machine at this pose, ValueError for an order that
+    cannot be.
     """
-    return _core.system(_core_of(machine), closed, pade_order)
+    return _core.system(_core_of(machine), _checks.flag(closed, "closed"), _checks.whole(pade_order, "pade_order"))
 
 
 def root_locus(machine: Machine, key: str, start: float, stop: float, count: int = 11, *, closed: bool = True,
@@ -98,8 +105,14 @@ def root_locus(machine: Machine, key: str, start: float, stop: float, count: int
     """Poles of the system over one number of the file, `count` values from start to stop [SI].
 
     Result: key, values, poles (a list of arrays), limits (values at which stability changes).
+    values [SI], poles [1/s]. Raises InputError for a path that is unknown and values that cannot be,
+    ComputationError where progress stops.
     """
-    return _core.root_locus(_core_of(machine), key, start, stop, count, closed, pade_order, progress)
+    with all_or_none(progress) as told:
+        return _core.root_locus(
+            _core_of(machine), _checks.word(key, "key"), _checks.number(start, "start"), _checks.number(stop, "stop"),
+            _checks.whole(count, "count"), _checks.flag(closed, "closed"), _checks.whole(pade_order, "pade_order"),
+            told)
 
 
 def bode(machine: Machine, *, input: str = "wrench", output: str = "displacement",
@@ -112,10 +125,13 @@ def bode(machine: Machine, *, input: str = "wrench", output: str = "displacement
     velocity or acceleration. from_, to: band, numbers in Hz or texts ("30 rad/s"); default: from the modes.
     point: three lengths in the platform frame; default: the mass centre.
 
-    Result: frequency_hz, omega (points,), H and H_rigid (points, 6, 6): H[k, out, in], complex.
+    Result: frequency_hz [Hz], omega [rad/s] (points,), H and H_rigid (points, 6, 6): H[k, out, in], complex, of an
+    input of 1 N or 1 N m [m, rad; per s, per s²]; stable: False where no steady vibration exists, and the responses are
+    those of the linear equations. Raises InputError for a band or a point that cannot be, ComputationError where the
+    machine has no equilibrium.
     """
-    result: Union[Bode, CommandResponse] = _core.bode(_core_of(machine), {"from": from_, **_options(
-        input=input, output=output, to=to, points=points, point=None if point is None else list(point))})
+    result: Union[Bode, CommandResponse] = _core.bode(_core_of(machine), {"from": from_, **_checks.options(
+        input=input, output=output, to=to, points=points, point=None if point is None else _point(point))})
     return result
 
 
@@ -125,16 +141,19 @@ def check(machine: Machine, *, all_poses: bool = True) -> Check:
     all_poses=False: at the machine's pose alone. Result, p poses: sound, verdict, warnings, poses, lengths [m],
     axial_force [N, + compression], oil_stiffness [N/m], tilt [rad] (p, 6), buckling_payload [kg] (p,), NaN
     where there is none.
+    A machine that is not sound raises nothing: sound is False.
     """
-    return _core.check(_core_of(machine), all_poses)
+    return _core.check(_core_of(machine), _checks.flag(all_poses, "all_poses"))
 
 
 def sensitivity(machine: Machine, parameters: Texts = ()) -> Sensitivity:
     """Change of each frequency per change of each number of the file: d ln ω / d ln p.
 
     parameters: paths; default: all that matter. Result: parameters, omega (n,), percent_per_percent (n, p).
+    omega [rad/s], percent_per_percent [1]; NaN for modes that buckle. Raises InputError for a path that is
+    unknown.
     """
-    return _core.sensitivity(_core_of(machine), _list(parameters))
+    return _core.sensitivity(_core_of(machine), _checks.words(parameters, "parameters"))
 
 
 def frequencies(machine: Machine, designs: Mapping[str, Any], *, threads: int = 0,
@@ -142,21 +161,29 @@ def frequencies(machine: Machine, designs: Mapping[str, Any], *, threads: int = 
     """Frequencies [Hz] of many designs, (designs, n): NumPy arrays in, an array out, all processors.
 
     They are the undamped ones, with elastomers those of the damped modes.
-    designs: {PATH: values in SI}; arrays of one length, or numbers that hold for all. A design that does not
-    stand at the pose has NaN. Values are not checked for being sensible: check the extremes with with_().
+    designs: {PATH: values in SI}; arrays of one length, or numbers that hold for all; a DataFrame too. A design
+    without equilibrium at the pose has NaN, a mode that buckles 0 Hz. Values are not checked for being sensible:
+    check the extremes with with_().
     Arrays are computed in SIMD lanes: as single ones to 1e-12 (gravity 1e-11, nearly rigid sleeves 5e-11).
+    Raises InputError for a path that is unknown, ValueError for numbers that are not finite or arrays of several
+    lengths, ComputationError where progress stops.
     """
     core = _core_of(machine)
+    if type(designs) is not dict and hasattr(designs, "columns"):  # a pandas.DataFrame
+        designs = {path: designs[path] for path in designs.columns}
     if not designs:
         raise ValueError("designs: expected at least one path with values")
     one = _core.one_design(core, designs) if type(designs) is dict else None  # one design of floats, quickly
     if one is not None:
         return one
-    columns = np.broadcast_arrays(*(np.asarray(values, dtype=float) for values in designs.values()))
+    if not isinstance(designs, Mapping):
+        raise TypeError(f"designs: expected {{PATH: values}}, got {designs!r}")
+    columns = np.broadcast_arrays(*(_checks.real_array(values, path) for path, values in designs.items()))
     if columns[0].ndim > 1:
         raise ValueError("designs: expected numbers or arrays of one dimension")
     table = np.ascontiguousarray(np.stack([np.atleast_1d(column) for column in columns], axis=1))
-    return _core.frequencies(core, list(designs), table, threads, progress)
+    return _core.frequencies(core, _checks.words(designs, "designs"), table, _checks.whole(threads, "threads"),
+                             progress)
 
 
 # --- over time ------------------------------------------------------------------------------------
@@ -181,9 +208,12 @@ def simulate(machine: Machine, commands: Texts = (), *, wrench: Texts = (), init
     Result, N samples: time [s] (N,), command and motion [m, rad] (N, 6), piston [m], drive, cap_pressure,
     rod_pressure [Pa] (N, 6), rms_error, peak_error (6,), record, warnings. Of electric cylinders nut [m],
     motor_speed [rad/s], torque [N m] (N, 6), and no pressures.
+    Raises InputError for signals and options that cannot be, ComputationError where the machine cannot be held at
+    its pose.
     """
-    return _core.simulate(_core_of(machine), _options(
-        commands=_list(commands), wrench=_list(wrench), initial=initial, actuators=actuators, until=until,
+    return _core.simulate(_core_of(machine), _checks.options(
+        commands=_checks.words(commands, "commands"), wrench=_checks.words(wrench, "wrench"), initial=initial,
+        actuators=actuators, until=until,
         integrator=integrator, tolerance=tolerance, step=step, seed=seed, ideal_sensors=ideal_sensors,
         output_interval=output_interval, trace_samples=trace_samples,
         record=None if record is None else os.fspath(record)), progress)
@@ -212,11 +242,14 @@ def rig(machine: Machine, record: Optional[Path] = None, *, excite: Texts = (), 
     record: file to write; None: only the levels are checked. excite: signals ("white all=0.1 mm"), default
     white noise. entry: command, drive or wrench. Raises InputError for levels that do not fit, unless
     above_limits. Keys: hydrapod rig --help.
+    Result, a RigRun: record, samples, findings, finished and message.
     """
-    return RigRun(**_core.rig(_core_of(machine), _options(
-        record=None if record is None else os.fspath(record), excite=_list(excite), entry=entry,
+    return RigRun(**_core.rig(_core_of(machine), _checks.options(
+        record=None if record is None else os.fspath(record), excite=_checks.words(excite, "excite"), entry=entry,
         duration=duration, averages=averages, settling=settling, rate=rate, oversampling=oversampling,
-        seed=seed, repeat=repeat, accelerometers=accelerometers, length_sensor=length_sensor,
+        seed=seed, repeat=repeat,
+        accelerometers=None if accelerometers is None else _checks.words(accelerometers, "accelerometers"),
+        length_sensor=length_sensor,
         pressure_sensor=pressure_sensor, current_sensor=current_sensor, torque_sensor=torque_sensor,
         speed_sensor=speed_sensor, drop_outs=drop_outs, anti_alias=anti_alias, above_limits=above_limits), progress))
 
@@ -231,10 +264,10 @@ def _measure_options(machine: Union[Machine, Path, None], options: Dict[str, Any
         options["machine_file"] = os.fspath(machine)
     for name in ("inputs", "outputs", "instruments", "sensors"):
         if options.get(name) is not None:
-            options[name] = _list(options[name])
+            options[name] = _checks.words(options[name], name)
     if options.get("point") is not None:
-        options["point"] = list(options["point"])
-    return _options(**options)
+        options["point"] = _point(options["point"])
+    return _checks.options(**options)
 
 
 def frf(measured: Measured, *, machine: Union[Machine, Path, None] = None, pose: Optional[str] = None,
@@ -254,13 +287,15 @@ def frf(measured: Measured, *, machine: Union[Machine, Path, None] = None, pose:
 
     Result, L lines: frequency_hz (L,), H and deviation (L, outputs, inputs), coherence, inputs, outputs,
     warnings.
+    H in the units of outputs per inputs (SI). Raises InputError for records that do not fit, ComputationError
+    where a record is too short, an input has no excitation, or progress stops.
     """
-    with files_of(measured) as files:
+    with files_of(measured) as files, all_or_none(progress) as told:
         return _core.frf(_measure_options(machine, dict(
             files=files, pose=pose, model=model, inputs=inputs, outputs=outputs, instruments=instruments,
             input_from=input_from, estimator=estimator, window=window, block=block, overlap=overlap,
             period=period, settling=settling, rate=rate, exponential_window=exponential_window,
-            accelerometers=accelerometers, sensors=sensors, point=point)), progress)
+            accelerometers=accelerometers, sensors=sensors, point=point)), told)
 
 
 def identify(measured: Measured, *, machine: Union[Machine, Path, None] = None, pose: Optional[str] = None,
@@ -282,54 +317,95 @@ def identify(measured: Measured, *, machine: Union[Machine, Path, None] = None, 
     shapes (outputs, n) as displacements; outputs, inputs, motion, warnings. Deviations are standard deviations.
     L lines: line_frequency_hz (L,), H and deviation (measured), H_modes (of the modes) (L, outputs, inputs),
     mode_indicator: singular values of H (L, k). With 95 % probability H is off by less than radius_95 deviations.
+    Raises as frf() does. Where there is no mode, n is 0 and warnings say why.
     """
-    with files_of(measured) as files:
+    with files_of(measured) as files, all_or_none(progress) as told:
         return _core.identify(_measure_options(machine, {"from": from_, **dict(
             files=files, pose=pose, model=model, to=to, order=order, highest_damping=highest_damping,
             against=against, bootstrap=bootstrap, output_only=output_only, inputs=inputs, outputs=outputs,
             instruments=instruments, input_from=input_from, estimator=estimator, window=window, block=block,
             overlap=overlap, period=period, settling=settling, rate=rate,
             exponential_window=exponential_window, accelerometers=accelerometers, sensors=sensors,
-            point=point)}), progress)
+            point=point)}), told)
 
 
-def calibrate(machine: Machine, targets: Path, free: Union[Mapping[str, Any], Texts] = (), *,
+def calibrate(machine: Machine, targets: Union[Path, Record, Identified], free: Union[Mapping[str, Any], Texts] = (), *,
               priors: Optional[Mapping[str, Tuple[Quantity, Quantity]]] = None, alternatives: Texts = (),
               profiles: Texts = (), loss: Optional[str] = None, starts: Optional[int] = None,
               seed: Optional[int] = None, threads: int = 0, progress: Optional[Progress] = None) -> Calibrated:
     """Fits numbers of the file to measured modes.
 
-    targets: TOML, CSV, or what identify writes. free: paths, or {PATH: (lowest, highest) or None}; "a, b" ties
-    two. priors: {PATH: (value, spread)}. alternatives: overrides to be tried, "PATH=VALUE".
+    targets: an Identified, or a file: TOML, CSV, or what identify writes. free: paths, or
+    {PATH: (lowest, highest) or None}; "a, b" ties two. priors: {PATH: (value, spread)}.
+    alternatives: overrides to be tried, "PATH=VALUE".
 
     Result of the best combination: parameters, units, values, deviations, verdicts, misfit, remarks,
     interrupted; text: the calibrated machine file, with its comments.
+    values and deviations [SI]. Raises InputError for targets, paths and bounds that cannot be, ComputationError
+    where no fit is found.
     """
-    return _core.calibrate(_core_of(machine), _options(
-        targets=os.fspath(targets), free=dict(free) if isinstance(free, Mapping) else _list(free),
-        priors=None if priors is None else {key: list(pair) for key, pair in priors.items()},
-        alternatives=_list(alternatives), profiles=_list(profiles), loss=loss, starts=starts, seed=seed,
-        threads=threads), progress)
+    with files_of(targets) as files:
+        return _core.calibrate(_core_of(machine), _checks.options(
+            targets=_only(files, "targets"), free=_bounds(free),
+            priors=None if priors is None else {
+                path: _pair(pair, f"priors of {path}", "(value, spread)") for path, pair in priors.items()},
+            alternatives=_checks.words(alternatives, "alternatives"), profiles=_checks.words(profiles, "profiles"),
+            loss=loss, starts=starts, seed=seed, threads=threads), progress)
 
 
-def compare(*things: Union[Machine, Record, Path], overrides: Mapping[str, Any] = {}, poses: Texts = (),
-            model: Optional[str] = None, against: str = "auto", level: Quantity = 0.05,
+def _only(files: List[str], name: str) -> str:
+    if len(files) != 1:
+        raise TypeError(f"{name}: expected one file or result, got {len(files)}")
+    return files[0]
+
+
+def _pair(given: Any, name: str, what: str) -> List[Quantity]:
+    """Two quantities; numbers become floats."""
+    items = [] if isinstance(given, str) else list(given) if hasattr(given, "__len__") else []
+    if len(items) != 2:
+        raise ValueError(f"{name}: expected a pair {what}, got {given!r}")
+    return [item if isinstance(item, str) else _checks.number(item, name) for item in items]
+
+
+def _bounds(free: Union[Mapping[str, Any], Texts]) -> Union[Dict[str, Any], List[str]]:
+    if not isinstance(free, Mapping):
+        return _checks.words(free, "free")
+    return {path: None if pair is None else _pair(pair, f"free: bounds of {path}", "(lowest, highest)")
+            for path, pair in free.items()}
+
+
+def _is_file(machine: Machine) -> bool:
+    """Whether the file at the machine's path is this machine."""
+    if machine.overrides or "@" in machine.path:
+        return False
+    try:
+        with open(machine.path, encoding="utf-8", newline="") as file:
+            return file.read() == machine.text
+    except (OSError, UnicodeError):
+        return False
+
+
+def compare(*things: Union[Machine, Record, Identified, Frf, Path], overrides: Mapping[str, Any] = {},
+            poses: Texts = (), model: Optional[str] = None, against: str = "auto", level: Quantity = 0.05,
             progress: Optional[Progress] = None) -> Compared:
     """Machines, poses, records and identified modes side by side, the first with each other one.
 
-    things: Machine and Record objects, or files (machine.toml@low, modes.json, run.h5). overrides: for every
+    things: Machine and Record objects, results of identify() and frf(), or files (machine.toml@low, modes.json,
+    run.h5); a machine that is no file is called by the path of a temporary one. overrides: for every
     machine file; of one machine alone: it is compared with the changed one. poses: of one machine alone, two or
     more. level: of all tests of one comparison together.
 
     Result: things, descriptions, test; to_records(): a row per pair of modes with mac, differences (second less
     first), p and verdicts (significant, not_significant, calculated, cannot_say); the rest in to_dict().
+    frequency_hz and frequency_difference_hz [Hz], mac, p and damping as shares. Raises InputError for things that
+    cannot be compared, ComputationError where progress stops.
     """
-    lines = [f"{key}={_toml(value)}" for key, value in overrides.items()]
+    lines = _lines(overrides)
     machines = [thing for thing in things if isinstance(thing, Machine)]
     if model is None and machines:
         model = machines[0].model
     with tempfile.TemporaryDirectory(prefix="hydrapod-") as folder:
-        given: List[Union[Path, Record]] = []
+        given: List[Any] = []
         for number, thing in enumerate(things):
             if not isinstance(thing, Machine):
                 given.append(thing)
@@ -337,12 +413,14 @@ def compare(*things: Union[Machine, Record, Path], overrides: Mapping[str, Any] 
             if model is not None and thing.model != model:
                 raise ValueError(f"model: thing {number + 1} is a machine with the model {thing.model}, not "
                                  f"{model}; one model holds for all")
-            path = os.path.join(folder, f"machine-{number + 1}.toml")
-            thing.write(path)
+            path = thing.path if _is_file(thing) else os.path.join(folder, f"machine-{number + 1}.toml")
+            if path != thing.path:
+                thing.write(path)
             given.append(path if thing.pose == "neutral" else f"{path}@{thing.pose}")
-        with files_of(given) as files:
-            return _core.compare(_options(files=files, overrides=lines, poses=_list(poses), model=model,
-                                          against=against, level=level), progress)
+        with files_of(given) as files, all_or_none(progress) as told:
+            return _core.compare(_checks.options(
+                files=files, overrides=lines, poses=_checks.words(poses, "poses"), model=model, against=against,
+                level=level), told)
 
 
 def _diagnosis(files: List[str], options: Dict[str, Any]) -> Dict[str, Any]:
@@ -352,10 +430,10 @@ def _diagnosis(files: List[str], options: Dict[str, Any]) -> Dict[str, Any]:
         direction, want = (part.strip() for part in want.split("=", 1))
     if isinstance(want, str) and want.strip().startswith("drop"):
         want = want.strip()[4:].strip()
-    is_drop = want is None or isinstance(want, (int, float)) and want < 1 or isinstance(want, str) and \
+    is_drop = want is None or isinstance(want, numbers.Real) and want < 1 or isinstance(want, str) and \
         want.endswith("%")
-    return _options(measured=files, want_direction=direction, want_drop=want if is_drop else None,
-                    want_frequency=None if is_drop else want, **options)
+    return _checks.options(measured=files, want_direction=direction, want_drop=want if is_drop else None,
+                           want_frequency=None if is_drop else want, **options)
 
 
 def diagnose(machine: Machine, measured: Measured = (), *, against: str = "auto",
@@ -368,137 +446,41 @@ def diagnose(machine: Machine, measured: Measured = (), *, against: str = "auto"
     number below 1) or a lowest frequency ("5 Hz", "x=5 Hz"). poses: names, or "workspace". Errors are shares.
 
     Result: summary (sentences), finding, hypotheses (best first), bic, warnings; the rest in to_dict().
+    Raises InputError for a measurement without modes and goals that cannot be. A diagnosis that progress stopped
+    says so in its summary, or raises ComputationError.
     """
-    with files_of(measured) as files:
+    with files_of(measured) as files, all_or_none(progress, parts=True) as told:
         return _core.diagnose(_core_of(machine), _diagnosis(files, dict(
             want=want, against=against,
-            poses=poses if poses is None or poses == "workspace" else _list(poses), model_error=model_error,
+            poses=poses if poses is None or isinstance(poses, str) and poses == "workspace" else
+            _checks.words(poses, "poses"), model_error=model_error,
             shape_error=shape_error, response_error=response_error, modes_only=modes_only, damping=damping,
-            threads=threads)), progress)
+            threads=threads)), told)
 
 
 def report(machine: Machine, path: Optional[Path] = None, *, poses: Texts = (), title: str = "",
            theme: str = "auto", modes: Sequence[int] = (), points: int = 600,
            commands: Optional[Texts] = None, until: Optional[Quantity] = None, samples: int = 1500,
            measured: Optional[Measured] = None, diagnose: Optional[Measured] = None,
-           compare: Optional[Path] = None, progress: Optional[Progress] = None) -> Report:
+           compare: Union[Path, Compared, None] = None, progress: Optional[Progress] = None) -> Report:
     """One HTML page with moving modes, Bode diagrams and all numbers; written to `path` if given.
 
     commands: also simulate; samples: of each quantity of that run. measured: also identify this record.
-    diagnose: also diagnose from this. compare: also show this JSON of `hydrapod compare`. In a notebook the
+    diagnose: also diagnose from this. compare: also show this comparison, a Compared or the
+    JSON of `hydrapod compare`. In a notebook the
     result shows the page in a frame. Result: html, write(path), to_dict().
+    Raises InputError for what cannot be read or written, ComputationError where progress stops.
     """
     with files_of(() if measured is None else measured) as records, \
-            files_of(() if diagnose is None else diagnose) as causes:
-        result = _core.report(_core_of(machine), _options(
-            poses=_list(poses), title=title, theme=theme, modes=list(modes), points=points,
-            commands=None if commands is None else _list(commands), until=until, samples=samples,
-            comparison=None if compare is None else os.fspath(compare),
+            files_of(() if diagnose is None else diagnose) as causes, \
+            files_of(() if compare is None else compare) as comparison, all_or_none(progress) as told:
+        result = _core.report(_core_of(machine), _checks.options(
+            poses=_checks.words(poses, "poses"), title=title, theme=theme,
+            modes=[_checks.whole(mode, "modes") for mode in modes], points=points,
+            commands=None if commands is None else _checks.words(commands, "commands"), until=until, samples=samples,
+            comparison=_only(comparison, "compare") if comparison else None,
             identification={"files": records} if records else None,
-            diagnosis=_diagnosis(causes, {}) if causes else None), progress)
+            diagnosis=_diagnosis(causes, {}) if causes else None), told)
     if path is not None:
         result.write(os.fspath(path))
     return result
-
-
-# --- step by step ---------------------------------------------------------------------------------
-
-
-class LinearPlant(NamedTuple):
-    """δẋ = A δx + B δu, δy = C δx + D δu about a state; u: six valve commands, then a wrench (6)."""
-
-    A: Any
-    B: Any
-    C: Any
-    D: Any
-    states: List[str]
-    outputs: List[str]
-
-
-class Plant:
-    """The nonlinear machine without its controller, step by step: for controllers written in Python.
-
-        plant = hydrapod.Plant(machine)
-        for _ in range(1000):
-            displacement = plant.step(commands, 1e-3)      # commands: six valves in [-1, 1]
-
-    It starts at rest at the machine's pose. integrator: fixed (Runge-Kutta 4 with steps of at most
-    `fixed_step`), exponential or adaptive (errors below `tolerance`). hydraulics=False: legs on oil springs, no valves.
-    Steps of one plant from several threads come one after the other; several plants run at once.
-    """
-
-    def __init__(self, machine: Machine, *, hydraulics: bool = True, integrator: str = "fixed",
-                 fixed_step: Quantity = 1e-4, tolerance: float = 1e-6):
-        step = _core.quantity(fixed_step, "s", "fixed_step")
-        if not 1e-7 <= step <= 1e-2:
-            raise ValueError(f"fixed_step: expected 1e-7 s to 0.01 s, got {step}")
-        if not 1e-13 <= tolerance <= 1e-2:
-            raise ValueError(f"tolerance: expected 1e-13 to 0.01, got {tolerance}")
-        self._plant = _core.Plant(_core_of(machine), hydraulics, integrator, step, tolerance)
-        self.step: Callable[..., Any] = self._plant.step
-        """step(commands, dt, wrench=None) → displacement (x, y, z, rx, ry, rz) [m, rad] from the machine's pose.
-
-        commands: of the six valves, held for dt [s]; None: those of rest. wrench: force and moment about the
-        mass centre [N, N m]. Raises ComputationError where the model ends (a piston leaves its guide)."""
-
-    def run(self, commands: Any, dt: float, *, progress: Optional[Progress] = None) -> Any:
-        """One step per row of `commands` (N, 6): displacements (N, 6)."""
-        array = np.asarray(commands)
-        if array.dtype.kind not in "fiu":
-            raise TypeError(f"commands: expected real numbers, got an array of {array.dtype}")
-        return self._plant.run(array, dt, progress)
-
-    @staticmethod
-    def run_many(plants: Sequence["Plant"], commands: Any, dt: float, *, threads: int = 0,
-                 progress: Optional[Progress] = None) -> Tuple[Any, List[str]]:
-        """Steps many plants at once, each in one thread: displacements (plants, N, 6), and a message for each.
-
-        commands: (plants, N, 6), or (N, 6) for all. Where the model of a plant ends, its further rows are NaN
-        and its message says why; else the message is empty.
-        """
-        array = np.asarray(commands)
-        if array.dtype.kind not in "fiu":
-            raise TypeError(f"commands: expected real numbers, got an array of {array.dtype}")
-        if array.ndim == 2:
-            array = np.broadcast_to(array, (len(plants), *array.shape))
-        return _core.run_plants([plant._plant for plant in plants], np.ascontiguousarray(array, dtype=float), dt,
-                                threads, progress)
-
-    def reset(self) -> None:
-        """Back to rest at time 0."""
-        self._plant.reset()
-
-    def linearise(self) -> LinearPlant:
-        """About the present state and commands."""
-        return LinearPlant(*self._plant.linearise())
-
-    def outputs(self) -> Dict[str, Any]:
-        """displacement, twist, acceleration, length, length_rate, pressures, spool, oil_force, …; a copy."""
-        return self._plant.outputs()
-
-    @property
-    def time(self) -> float:
-        """[s]"""
-        return self._plant.time
-
-    @property
-    def state(self) -> Any:
-        """All states (state_names, state_units); a copy. May be set."""
-        return self._plant.state
-
-    @state.setter
-    def state(self, values: Any) -> None:
-        self._plant.state = np.asarray(values, dtype=float)
-
-    @property
-    def rest_commands(self) -> Any:
-        """Of the six valves, that hold the machine at rest."""
-        return self._plant.rest_commands
-
-    @property
-    def state_names(self) -> List[str]:
-        return self._plant.state_names
-
-    @property
-    def state_units(self) -> List[str]:
-        return self._plant.state_units

@@ -56,4 +56,7 @@ PYBIND11_MODULE(_core, module) {
   add_exchange(module);
   add_kinematics(module);
   py::module_::import("atexit").attr("register")(py::cpp_function(&end_all));
+  // else the child of os.fork() would wait at its end for the calls of its parent
+  py::module_::import("os").attr("register_at_fork")(py::arg("after_in_child") =
+                                                         py::cpp_function(&forget_calls));
 }

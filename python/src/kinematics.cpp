@@ -170,9 +170,12 @@ py::tuple sample_signals(const std::vector<std::string>& texts, double rate,
   py::array_t<double> values(Shape{count, 6}), rates(Shape{count, 6});
   double* value = values.mutable_data();
   double* change = rates.mutable_data();
-  without_gil([&] {
+  constexpr py::ssize_t between = 10000;  // samples between two looks at signals
+  at_work(py::none(), [&](const numerics::Progress& watch) {
     signals::Generator generator(read, rate, seed);
     for (py::ssize_t k = 0; k < count; ++k) {
+      if (k % between == 0 && watch(static_cast<double>(k) / static_cast<double>(count)))
+        throw base::ComputationError("interrupted");
       const auto sample = generator.next();
       Eigen::Map<spatial::Vector6>(value + 6 * k) = sample.value;
       Eigen::Map<spatial::Vector6>(change + 6 * k) = sample.rate;

@@ -1,6 +1,9 @@
 /// Tasks on the machine near rest: modes, system, root locus, Bode, check, sensitivity.
 
 #include "hydrapod/tasks/linear.hpp"
+
+#include <algorithm>
+
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/report/measured_results.hpp"
@@ -55,8 +58,7 @@ py::array shapes(const modal::AnalysedModel& model) {
       real.mutable_at(i, k) = mode.real[i];
       both.mutable_at(i, k) = {mode.real[i], mode.is_complex() ? mode.imaginary[i] : 0.0};
     }
-  if (complex) return both;
-  return real;
+  return complex ? read_only(both) : read_only(real);
 }
 
 struct System : Result {
@@ -370,6 +372,12 @@ void add_linear(py::module_& module) {
           "omega",
           [](const py::object& self) { return view_of(self.cast<const Bode&>().bode.omega, self); })
       .def_property_readonly("frequency_hz", [](const Bode& b) { return hertz(b.bode.omega); })
+      .def_property_readonly("stable",
+                             [](const Bode& b) {
+                               return std::ranges::all_of(
+                                   b.bode.table.real.modes,
+                                   [](const auto& mode) { return mode.mode.stable; });
+                             })
       .def_property_readonly(
           "H",
           [](const py::object& self) { return pages_of(self.cast<const Bode&>().bode.real, self); })

@@ -2,6 +2,7 @@
 
 #include "measurement.hpp"
 
+#include "data/channel_units.hpp"
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/data/record_io.hpp"
@@ -138,7 +139,7 @@ py::array per_line(const data::PerLine<Matrix>& pages) {
   for (const auto& page : pages)
     for (Eigen::Index i = 0; i < rows; ++i)
       for (Eigen::Index j = 0; j < columns; ++j) *out++ = page(i, j);
-  return result;
+  return read_only(result);
 }
 
 /// Lines × outputs × inputs; without lines where no errors are known.
@@ -157,7 +158,7 @@ py::array copied(const Eigen::MatrixXd& matrix) {
   py::array_t<double> array(std::vector<py::ssize_t>{matrix.rows(), matrix.cols()});
   for (Eigen::Index i = 0; i < matrix.rows(); ++i)
     for (Eigen::Index j = 0; j < matrix.cols(); ++j) array.mutable_at(i, j) = matrix(i, j);
-  return array;
+  return read_only(array);
 }
 
 std::vector<std::string> names(const std::vector<data::Channel>& channels) {
@@ -182,7 +183,7 @@ py::array shapes(const Identified& result) {
   for (std::size_t k = 0; k < modes.size(); ++k)
     for (py::ssize_t i = 0; i < rows; ++i)
       all.mutable_at(i, static_cast<py::ssize_t>(k)) = modes[k].displacement[i];
-  return all;
+  return read_only(all);
 }
 
 /// Responses of the identified modes at the measured lines; NaN where there is no mode.
@@ -221,12 +222,12 @@ std::shared_ptr<Identified> identify(const Options& asked, const py::object& pro
   return result;
 }
 
-std::shared_ptr<data::Record> record_of(const Doubles& samples, double rate, double start,
-                                        const std::vector<std::string>& channels,
-                                        const std::vector<std::string>& units,
-                                        const std::vector<std::string>& roles,
-                                        const std::vector<std::string>& directions,
-                                        const std::string& title, const std::string& notes) {
+/// The record, its units made SI as those of files are, and what is to be said about them.
+py::tuple record_of(const Doubles& samples, double rate, double start,
+                    const std::vector<std::string>& channels, const std::vector<std::string>& units,
+                    const std::vector<std::string>& roles,
+                    const std::vector<std::string>& directions, const std::string& title,
+                    const std::string& notes) {
   if (samples.ndim() != 2)
     throw std::invalid_argument("samples: expected an array of samples × channels, got " +
                                 std::to_string(samples.ndim()) + " dimensions");
@@ -241,7 +242,6 @@ std::shared_ptr<data::Record> record_of(const Doubles& samples, double rate, dou
   header.notes = notes;
   header.sample_rate = rate;
   header.start = start;
-  std::vector<double> factors;
   for (std::size_t k = 0; k < columns; ++k) {
     const auto role = data::role_from_text(roles[k]);
     if (!role)
@@ -250,19 +250,17 @@ std::shared_ptr<data::Record> record_of(const Doubles& samples, double rate, dou
         directions[k].empty() ? data::Direction::none : data::direction_from_text(directions[k]);
     if (!direction)
       base::refuse("direction " + directions[k], "accepted are x … rz, -x … -rz, leg 1 … leg 6");
-    const auto si = base::si_unit(units[k]);
-    factors.push_back(si ? si->factor : 1.0);
-    header.channels.push_back({.name = channels[k],
-                               .unit = si ? si->unit : units[k],
-                               .direction = *direction,
-                               .role = *role});
+    header.channels.push_back(
+        {.name = channels[k], .unit = units[k], .direction = *direction, .role = *role});
   }
+  data::Notes said("record");
+  const auto factors = data::to_si(header.channels, said, false);
   data::validate(header);
   record->samples =
       Eigen::Map<const data::Samples>(samples.data(), samples.shape(0), samples.shape(1));
   for (std::size_t k = 0; k < columns; ++k)
     if (factors[k] != 1.0) record->samples.col(static_cast<Eigen::Index>(k)) *= factors[k];
-  return record;
+  return py::make_tuple(record, texts(said.all()));
 }
 
 template <class Get>

@@ -1,7 +1,10 @@
 /// The plant step by step, for controllers written in Python.
 
+#include <fmt/format.h>
+
 #include <atomic>
 #include <mutex>
+#include <string_view>
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/simulation/closed_loop.hpp"
@@ -58,10 +61,12 @@ class Stepper {
 
 spatial::Vector6 six(const py::handle& given, const char* name) {
   const auto any = py::array::ensure(given);
-  const auto array = any && any.dtype().kind() != 'c' ? Doubles::ensure(any) : Doubles();
-  if (!any || any.dtype().kind() == 'c' || !array) {
+  const bool real =
+      any && std::string_view("fiu").find(any.dtype().kind()) != std::string_view::npos;
+  const auto array = real ? Doubles::ensure(any) : Doubles();
+  if (!real || !array) {
     PyErr_Clear();
-    throw py::type_error(std::string(name) + ": expected six numbers");
+    throw py::type_error(std::string(name) + ": expected six real numbers");
   }
   if (array.ndim() != 1 || array.shape(0) != 6)
     throw std::invalid_argument(std::string(name) + ": expected six numbers, got an array of " +
@@ -74,17 +79,16 @@ spatial::Vector6 six(const py::handle& given, const char* name) {
 }
 
 /// [s], counted so that a call ends.
-double step_of(double dt) {
+double step_of(const py::handle& given) {
   constexpr double longest = 10.0;
+  const double dt = quantity(given, "s", "dt");
   if (!(dt > 0.0 && dt <= longest))
-    throw std::invalid_argument("dt: expected more than 0 s and at most 10 s, got " +
-                                std::to_string(dt));
+    throw std::invalid_argument(
+        fmt::format("dt: expected more than 0 s and at most 10 s, got {} s", dt));
   return dt;
 }
 
-py::array copy_of(const Eigen::VectorXd& x) {
-  return array_of(std::vector<double>(x.data(), x.data() + x.size()));
-}
+py::array copy_of(const Eigen::VectorXd& x) { return py::array_t<double>(x.size(), x.data()); }
 
 template <class Work>
 auto locked(Stepper& stepper, const Work& work) {
@@ -101,7 +105,8 @@ PlantInput input_of(const py::object& commands, const py::object& wrench, const 
   return input;
 }
 
-py::array step(Stepper& stepper, const py::object& commands, double dt, const py::object& wrench) {
+py::array step(Stepper& stepper, const py::object& commands, const py::object& dt,
+               const py::object& wrench) {
   const auto input = input_of(commands, wrench, stepper);
   const double time = step_of(dt);
   const auto displacement = locked(stepper, [&] {
@@ -112,7 +117,8 @@ py::array step(Stepper& stepper, const py::object& commands, double dt, const py
 }
 
 /// count × 6 commands, one step of `dt` each: count × 6 displacements.
-py::array run(Stepper& stepper, const Doubles& commands, double dt, const py::object& progress) {
+py::array run(Stepper& stepper, const Doubles& commands, const py::object& dt,
+              const py::object& progress) {
   if (commands.ndim() != 2 || commands.shape(1) != 6)
     throw std::invalid_argument("commands: expected an array of steps × 6");
   const double time = step_of(dt);
@@ -141,7 +147,7 @@ py::array run(Stepper& stepper, const Doubles& commands, double dt, const py::ob
 /// plants × steps × 6 commands, each plant by one thread: plants × steps × 6 displacements. Where a
 /// plant's model ends, the rest of its rows is NaN and the message says why.
 py::tuple run_all(const std::vector<std::shared_ptr<Stepper>>& plants, const Doubles& commands,
-                  double dt, int threads, const py::object& progress) {
+                  const py::object& dt, int threads, const py::object& progress) {
   const auto many = static_cast<py::ssize_t>(plants.size());
   if (commands.ndim() != 3 || commands.shape(0) != many || commands.shape(2) != 6)
     throw std::invalid_argument("commands: expected an array of plants × steps × 6, with " +
@@ -196,7 +202,7 @@ py::dict outputs(Stepper& stepper) {
   const auto legs = [&](auto get) {
     std::vector<double> values;
     for (const auto& leg : out.legs) values.push_back(get(leg));
-    return array_of(values);
+    return py::array_t<double>(static_cast<py::ssize_t>(values.size()), values.data());
   };
   py::dict result;
   result["displacement"] = of(displacement);

@@ -46,6 +46,8 @@ Call::~Call() { --calls; }
 
 bool is_ending() { return ending; }
 
+void forget_calls() { calls = 0; }
+
 void end_all() {
   ending = true;
   const py::gil_scoped_release release;

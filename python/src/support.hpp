@@ -37,13 +37,18 @@ Json joined(Json head, const Json& result);
 /// As the command line heads a result that depends on the model.
 Json head_of_model(const char* kind, const Subject& machine);
 
+/// Arrays of results are made anew at each call: a number written into one would be lost.
+inline py::array read_only(py::array array) {
+  array.attr("flags").attr("writeable") = false;
+  return array;
+}
+
 /// A read-only array over memory that `owner` keeps.
 template <class T>
 py::array view(const T* data, std::vector<py::ssize_t> shape, std::vector<py::ssize_t> strides,
                const py::handle& owner) {
-  py::array array(py::dtype::of<T>(), std::move(shape), std::move(strides), data, owner);
-  array.attr("flags").attr("writeable") = false;
-  return array;
+  return read_only(
+      py::array(py::dtype::of<T>(), std::move(shape), std::move(strides), data, owner));
 }
 
 /// A dense Eigen matrix or vector, stored by columns or rows.
@@ -79,11 +84,11 @@ py::array pages_of(const std::vector<Matrix>& pages, const py::handle& owner) {
                         {page, size, size * Matrix::RowsAtCompileTime}, owner);
 }
 
-/// A new array of `values`, of any shape.
+/// A new, read-only array of `values`, of any shape.
 template <class T>
 py::array array_of(const std::vector<T>& values, std::vector<py::ssize_t> shape = {}) {
   if (shape.empty()) shape = {static_cast<py::ssize_t>(values.size())};
-  return py::array_t<T>(std::move(shape), values.data());
+  return read_only(py::array_t<T>(std::move(shape), values.data()));
 }
 
 /// Counts calls that are at work: the end of the interpreter asks them to stop and waits for them,
@@ -96,6 +101,8 @@ class Call {
   Call& operator=(const Call&) = delete;
 };
 bool is_ending();
+/// In the child of a fork, where the threads of the calls are not there.
+void forget_calls();
 void end_all();  ///< at exit, with the GIL
 
 /// Asks Python now and then, from any thread, whether to go on: signals, the user's callback.

@@ -223,3 +223,28 @@ def test_report(heavy, tmp_path):
     result = hydrapod.report(heavy, path, title="A & B", points=50)
     assert path.read_text().startswith("<!")
     assert result.to_dict()["title"] == "A & B"
+
+
+def test_results_are_inputs_as_their_files_are(heavy, strong_run, tmp_path):
+    machine = hydrapod.read_machine(root / "models" / "zhang-jiang-2021.toml")
+    identified, responses = hydrapod.identify(strong_run), hydrapod.frf(strong_run)
+    modes, lines = tmp_path / "modes.json", tmp_path / "responses.json"
+    modes.write_text(identified.json), lines.write_text(responses.json)
+    free = {"legs.guide_sleeve.stiffness": (1e4, 1e7)}
+    by_result, by_file = (hydrapod.calibrate(machine, given, free, starts=1) for given in (identified, modes))
+    assert by_result.values == by_file.values and by_result.misfit == by_file.misfit
+    assert hydrapod.diagnose(machine, identified).summary == hydrapod.diagnose(machine, modes).summary
+    np.testing.assert_array_equal(hydrapod.identify(responses).frequency_hz, hydrapod.identify(lines).frequency_hz)
+    compared = hydrapod.compare(machine, identified)
+    np.testing.assert_array_equal(compared.to_records().mac, hydrapod.compare(machine, modes).to_records().mac)
+    assert "comparison" in hydrapod.report(machine, compare=compared, points=20).to_dict()
+
+
+def test_machines_of_files_are_called_by_their_files(heavy, strong_run):
+    path = str(root / "models" / "zhang-jiang-2021.toml")
+    machine = hydrapod.read_machine(path)
+    assert hydrapod.compare(machine, strong_run).to_dict() == command_line("compare", path, strong_run, "--format",
+                                                                           "json")
+    changed = machine.with_({"platform.mass": 1000.0})
+    assert hydrapod.compare(machine, changed).things[0] == path and hydrapod.compare(machine, changed).things[1] != path
+    assert hydrapod.compare(hydrapod.Machine(machine.text, path=path + ".none"), changed).things[0] != path

@@ -302,3 +302,105 @@ def test_no_leak(heavy):
     before = many(1)
     after = many(200)  # 200 responses of 200 lines and two models: 46 MB if they stayed
     assert after - before < 10_000
+
+
+def stopped_at(count):
+    """A progress that stops at its call of that number."""
+    calls = []
+    return lambda share: calls.append(share) or len(calls) >= count
+
+
+@pytest.mark.parametrize("count", [1, 2, 5])
+@pytest.mark.parametrize("task", [
+    lambda m, run, stop: hydrapod.frf(run, progress=stop), lambda m, run, stop: hydrapod.identify(run, progress=stop),
+    lambda m, run, stop: hydrapod.compare(m, run, progress=stop),
+    lambda m, run, stop: hydrapod.report(m, measured=run, points=20, progress=stop),
+    lambda m, run, stop: hydrapod.root_locus(m, "controller.gain", 3.0, 17.0, 1000, progress=stop)],
+    ids=["frf", "identify", "compare", "report", "root locus"])
+def test_stopped_tasks_give_no_part_as_if_it_were_the_whole(strong_run, task, count):
+    """They had responses of the first blocks of a record alone, or said that the record is too short."""
+    machine = hydrapod.read_machine(root / "models" / "zhang-jiang-2021.toml")
+    with pytest.raises(hydrapod.ComputationError, match="interrupted"):
+        task(machine, strong_run, stopped_at(count))
+
+
+def test_a_stopped_diagnosis_says_so(strong_run):
+    machine = hydrapod.read_machine(root / "models" / "zhang-jiang-2021.toml")
+    for count in (1, 4):
+        with pytest.raises(hydrapod.ComputationError, match="interrupted"):
+            hydrapod.diagnose(machine, strong_run, progress=stopped_at(count))
+
+
+def test_arrays_of_results_cannot_be_written(strong_run, heavy):
+    """They are made anew at each access: what is written into one would be lost."""
+    machine = hydrapod.read_machine(root / "models" / "zhang-jiang-2021.toml")
+    identified, modes = hydrapod.identify(strong_run), hydrapod.modes(heavy)
+    results = [modes, modes.rigid, identified, hydrapod.frf(strong_run), hydrapod.system(heavy), hydrapod.check(heavy),
+               hydrapod.bode(heavy, points=5), hydrapod.bode(heavy, input="command", points=5),
+               hydrapod.modes_at_poses(heavy, ["neutral", "low"]), hydrapod.modes_at_amplitudes(heavy, 1e-3),
+               hydrapod.diagnose(machine, identified), hydrapod.sweep(heavy, {sleeve: [1e6]}),
+               hydrapod.machine_state_space(heavy), hydrapod.root_locus(heavy, "controller.gain", 3, 5, 3)]
+    seen = 0
+    for result in results:
+        for name in dir(result):
+            array = None if name.startswith("_") else getattr(result, name)
+            if isinstance(array, np.ndarray):
+                seen += 1
+                assert not array.flags.writeable, f"{type(result).__name__}.{name}"
+    assert seen > 50
+    plant = hydrapod.Plant(heavy)
+    assert plant.state.flags.writeable and plant.outputs()["length"].flags.writeable  # copies, as their texts say
+
+
+def test_the_child_of_a_fork_ends(heavy):
+    """It has no threads of its parent, for whose calls it would wait."""
+    done = in_another("""
+import os, sys, threading, time, hydrapod
+m = hydrapod.read_machine("models/heavy-platform.toml")
+thread = threading.Thread(target=lambda: hydrapod.simulate(m, until=900.0, progress=lambda share: stop), daemon=True)
+stop = False
+thread.start()
+time.sleep(0.3)
+child = os.fork()
+if child == 0:
+    hydrapod.modes(m)
+    sys.exit(7)
+until = time.monotonic() + 20.0
+while (ended := os.waitpid(child, os.WNOHANG))[0] == 0 and time.monotonic() < until:
+    time.sleep(0.05)
+if ended[0] == 0:
+    os.kill(child, 9)
+    ended = os.waitpid(child, 0)
+print(os.waitstatus_to_exitcode(ended[1]))
+stop = True
+thread.join()
+""", timeout=60)
+    assert (done.returncode, done.stdout) == (0, "7\n"), done.stderr
+
+
+def test_control_c_stops_long_signals():
+    began = time.monotonic()
+    hydrapod.sample_signals("white z=1 mm", rate=1000, duration=100)
+    whole = 100 * (time.monotonic() - began)  # of the 10,000 s below
+    timer = threading.Timer(0.1, lambda: os.kill(os.getpid(), signal.SIGINT))
+    began = time.monotonic()
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        hydrapod.sample_signals("white z=1 mm", rate=1000, duration=10_000)
+    assert time.monotonic() - began < 0.5 * whole
+
+
+def test_records_from_arrays_have_units_as_those_from_files(tmp_path):
+    """"g" of a channel is the acceleration of gravity, not the gram."""
+    samples = np.arange(12.0).reshape(4, 3) + 0.5
+    units = ["g", "mg", "m/s**2"]
+    table = tmp_path / "r.csv"
+    rows = [",".join(repr(float(value)) for value in [k / 100, *row]) for k, row in enumerate(samples)]
+    table.write_text("time [s],a1 [g],a2 [mg],a3 [m/s**2]\n" + "\n".join(rows) + "\n")
+    by_file, by_array = hydrapod.read_record(table), hydrapod.Record(samples, 100.0, ["a1", "a2", "a3"], units=units)
+    assert by_array.units == by_file.units == ["m/s^2"] * 3
+    np.testing.assert_array_equal(by_array.samples, by_file.samples)
+    np.testing.assert_allclose(by_array["a1"], 9.80665 * samples[:, 0], rtol=1e-15)
+    assert any("9.80665" in text for text in by_array.warnings)
+    assert any("EU" in text for text in hydrapod.Record(samples[:, :1], 100.0, "a", units="EU").warnings)
+    assert hydrapod.Record(samples[:, :1], 100.0, "a", units="mm").units == ["m"]

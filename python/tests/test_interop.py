@@ -125,3 +125,10 @@ def test_pandas(heavy):
     assert isinstance(study.to_pandas(), pandas.DataFrame) and len(study.to_pandas()) == 2
     assert list(hydrapod.modes(heavy).to_pandas().columns) == ["frequency_hz", "damping_ratio", "omega",
                                                                "moves_platform", "label"]
+
+
+def test_rigid_legs_as_a_state_space(heavy):
+    system, bode = hydrapod.state_space(hydrapod.modes(heavy).rigid), hydrapod.bode(heavy, from_=7, to=8, points=2)
+    A, B, C = system.A, system.B, system.C
+    response = C @ np.linalg.solve(2j * np.pi * bode.frequency_hz[0] * np.eye(len(A)) - A, B)
+    np.testing.assert_allclose(response, bode.H_rigid[0], atol=1e-9 * np.abs(bode.H_rigid[0]).max())

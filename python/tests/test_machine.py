@@ -156,3 +156,23 @@ def test_results_show_themselves(heavy):
         assert result._repr_html_().startswith("<div>")
         assert json.loads(result.json) == result.to_dict()
     assert hydrapod.modes(heavy).to_records().frequency_hz[0] == hydrapod.modes(heavy).frequency_hz[0]
+    for part in (hydrapod.modes(heavy).rigid, hydrapod.superelement(heavy)):
+        assert repr(part).startswith(f"<{type(part).__name__}") and part._repr_html_().startswith("<div>")
+    assert "Hz" in repr(hydrapod.modes(heavy).rigid)
+
+
+def test_shapes_are_normalised_as_their_text_says(heavy):
+    for found in (hydrapod.modes(heavy), hydrapod.modes(heavy).rigid):
+        shapes = found.shapes
+        np.testing.assert_allclose(np.einsum("ik,ij,jk->k", shapes.conj(), found.M, shapes), 1.0, atol=1e-12)
+        np.testing.assert_allclose(2 * np.pi * found.frequency_hz, np.abs(found.poles), rtol=1e-12)
+
+
+def test_responses_of_unstable_machines_say_so(heavy):
+    """As the command line does."""
+    buckled = heavy.with_({"platform.mass": "100 t"})
+    assert not hydrapod.modes(buckled).stable
+    unstable, sound = hydrapod.bode(buckled, points=5), hydrapod.bode(heavy, points=5)
+    assert not unstable.stable and "no steady vibration" in repr(unstable)
+    assert sound.stable and "vibration" not in repr(sound)
+    assert hydrapod.bode(heavy, input="command", points=5).stable

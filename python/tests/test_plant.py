@@ -105,3 +105,44 @@ def test_speed(heavy, capsys):
     with capsys.disabled():
         print(f"\n{rate:.0f} steps of 1 ms per second")
     assert rate > 8000
+
+
+def test_classes_that_derive_have_their_own_step(heavy):
+    """As environments for reinforcement learning are written."""
+    class Environment(hydrapod.Plant):
+        def step(self, action):
+            return super().step(0.01 * np.asarray(action), 1e-3)
+
+    action = np.linspace(-1, 1, 6)
+    np.testing.assert_array_equal(Environment(heavy).step(action), hydrapod.Plant(heavy).step(0.01 * action, 1e-3))
+    assert "wrench" in hydrapod.Plant.step.__doc__ and "Heavy" in repr(hydrapod.Plant(heavy))
+
+
+def test_plants_are_not_copied(heavy):
+    """A copy would step with the plant it was made of."""
+    import copy
+    import pickle
+
+    plant = hydrapod.Plant(heavy)
+    for attempt in (copy.copy, copy.deepcopy, pickle.dumps):
+        with pytest.raises(TypeError, match="make another"):
+            attempt(plant)
+
+
+def test_time_steps_may_have_a_unit(heavy):
+    by_number, by_text = hydrapod.Plant(heavy), hydrapod.Plant(heavy)
+    commands = np.full((3, 6), 0.01)
+    np.testing.assert_array_equal(by_number.step(commands[0], 1e-3), by_text.step(commands[0], "1 ms"))
+    np.testing.assert_array_equal(by_number.run(commands, 1e-3), by_text.run(commands, "1 ms"))
+    plants = (plant for plant in (by_number, by_text))
+    motions, _ = hydrapod.Plant.run_many(plants, commands, "1 ms")
+    np.testing.assert_array_equal(motions[0], motions[1])
+    for wrong in ("1 mm", "soon", None, True, [1e-3]):
+        with pytest.raises((ValueError, TypeError), match="dt"):
+            by_number.step(None, wrong)
+
+
+@pytest.mark.parametrize("wrong", [["0.1"] * 6, [True] * 6, np.full(6, 0.1, object), [0.1j] * 6])
+def test_commands_are_real_numbers(heavy, wrong):
+    with pytest.raises(TypeError, match="six real numbers"):
+        hydrapod.Plant(heavy).step(wrong, 1e-3)

@@ -88,6 +88,21 @@ def test_diagnosis(heavy, tmp_path):
         hydrapod.plot_diagnosis(hydrapod.diagnose(heavy, want="x=3 %"))
 
 
+def test_plots_say_what_they_cannot_draw(heavy, strong_run):
+    bode, identified = hydrapod.bode(heavy, points=5), hydrapod.identify(strong_run)
+    for plot, result in ((hydrapod.plot_bode, bode), (hydrapod.plot_fit, identified)):
+        for entries in ([], [3], [("x",)]):
+            with pytest.raises(ValueError, match="entries"):
+                plot(result, entries)
+    with pytest.raises(TypeError, match="Figure"):
+        hydrapod.plot_bode(bode, figure=hydrapod.plot_bode(bode).axes[0])
+    part = hydrapod.sweep(heavy, {"platform.mass": np.linspace(12e3, 14e3, 20000)}, threads=1,
+                          progress=lambda share: share > 0.1)
+    assert not part.complete
+    with pytest.raises(ValueError, match="interrupted"):
+        hydrapod.plot_map(part)
+
+
 def test_refuse_other_results(heavy):
     checked = hydrapod.sensitivity(heavy, "platform.mass")
     for plot in (hydrapod.plot_modes, hydrapod.plot_bode, hydrapod.plot_fit, hydrapod.plot_stabilisation,

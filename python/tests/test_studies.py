@@ -28,6 +28,11 @@ def test_columns_of_ones_own(heavy):
     assert table.dtype.names[-1] == "ratio" and table.ratio[2] == study["ratio"][2]
     with pytest.raises(KeyError, match="ratio"):
         study["no such"]
+    own = np.arange(4.0)
+    study.add("own", own)
+    own[:] = 9.0  # the study has a copy
+    np.testing.assert_array_equal(study["own"], np.arange(4.0))
+    assert not study["own"].flags.writeable
     with pytest.raises(ValueError):
         study.add("ratio", np.zeros(4))
     with pytest.raises(ValueError):
@@ -106,6 +111,9 @@ def test_design_function(heavy):
         f.sample(X), hydrapod.frequencies(heavy, {sleeve: X[:, 0], "platform.mass": X[:, 1]})[:, :3], rtol=1e-11)
     with pytest.raises(ValueError):
         f.sample(X[:, :1])
+    for wrong in (X, X[:1], X[0, :1], 1e6):
+        with pytest.raises(ValueError, match="sample"):
+            f(wrong)  # of many it would be the first
     with pytest.raises(ValueError):
         hydrapod.DesignFunction(heavy, sleeve, modes=40)
 
@@ -170,3 +178,46 @@ def test_design_can_be_stopped(heavy):
 def test_wrong_designs(heavy, options, message):
     with pytest.raises(ValueError, match=message):
         hydrapod.design(heavy, **options)
+
+
+def test_functions_that_cannot_be_columns_are_refused_before_the_study(heavy):
+    calls = []
+    for outputs, message in (({"own": 3}, "function"), ({"x": lambda m: 1.0}, "such a column"),
+                             ({"platform.mass": lambda m: 1.0}, "such a column"), ([lambda m: 1.0], "dict")):
+        with pytest.raises((TypeError, ValueError), match=message):
+            hydrapod.sweep(heavy, {"platform.mass": [12e3]}, outputs=outputs, progress=calls.append)
+    with pytest.raises(ValueError, match="neutral"):
+        hydrapod.workspace_map(heavy.at("z=10 mm"), {"x": [0.0, 0.01]}, outputs={"own": lambda m: 1.0},
+                               progress=calls.append)
+    assert not calls
+
+
+@pytest.mark.parametrize("result", [None, "3", 1j, np.complex128(1j), np.ones(3)])
+def test_functions_return_real_numbers(heavy, result):
+    with pytest.raises(TypeError, match="row 0.*real number"):
+        hydrapod.sweep(heavy, {"platform.mass": [12e3]}, outputs={"own": lambda m: result})
+
+
+def test_progress_of_columns(heavy):
+    """The study is the first part, each column one more; True stops in all of them."""
+    masses = {"platform.mass": np.linspace(12e3, 14e3, 8)}
+    shares = []
+    own = {"one": lambda m: np.float64(m["platform.mass"]), "two": lambda m: np.array([1.0])}
+    study = hydrapod.sweep(heavy, masses, outputs=own, progress=shares.append)
+    assert shares == sorted(shares) and shares[-1] == 1.0 and 1 / 3 in shares and any(0.4 < s < 0.6 for s in shares)
+    np.testing.assert_array_equal(study["one"], masses["platform.mass"])
+    with pytest.raises(hydrapod.ComputationError, match="of 8 rows"):
+        hydrapod.sweep(heavy, masses, outputs=own, progress=lambda share: share > 0.5)
+
+
+def test_functions_may_have_no_result(heavy):
+    def own(machine):
+        if machine["platform.mass"] > 13e3:
+            raise hydrapod.ComputationError("none here")
+        return 1.0
+
+    study = hydrapod.sweep(heavy, {"platform.mass": [12e3, 14e3]}, outputs={"own": own})
+    np.testing.assert_array_equal(study["own"], [1.0, np.nan])
+    assert "own" in study and "lowest" in study and "no such" not in study
+    with pytest.raises(TypeError, match="iterable"):
+        iter(study)

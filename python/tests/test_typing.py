@@ -51,3 +51,28 @@ def test_everything_has_its_text():
         thing = getattr(hydrapod, name)
         if callable(thing) and not isinstance(thing, type):
             assert thing.__doc__ and len(thing.__doc__) > 40, name
+
+
+def test_results_say_what_their_attributes_are():
+    """help(hydrapod.Modes) tells shapes and units."""
+    missing = []
+    for name in hydrapod.__all__:
+        cls = getattr(hydrapod, name)
+        if not isinstance(cls, type):
+            continue
+        if not cls.__doc__:
+            missing.append(name)
+        slots = {"path", "warnings"} if cls is hydrapod.Record else {"args"}
+        missing += [f"{name}.{attribute}" for attribute in dir(cls) if not attribute.startswith("_")
+                    and attribute not in slots and not getattr(cls, attribute).__doc__]
+    assert not missing
+    assert "(dof, n)" in hydrapod.Modes.shapes.__doc__ and "[N/m" in hydrapod.ModelModes.K.__doc__
+
+
+def test_tasks_say_their_errors_and_units():
+    for name in ("modes", "modes_at_poses", "system", "root_locus", "bode", "sensitivity", "frequencies", "simulate",
+                 "rig", "frf", "identify", "calibrate", "compare", "diagnose", "report", "montecarlo", "sweep",
+                 "workspace_map", "design", "export", "machine_state_space", "superelement", "leg_lengths",
+                 "leg_jacobian", "forward_kinematics", "static_equilibrium", "sample_signals", "read_machine",
+                 "read_record"):
+        assert "Raises" in getattr(hydrapod, name).__doc__, name

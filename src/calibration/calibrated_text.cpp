@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <charconv>
 #include <cmath>
 
 #include "candidate.hpp"
@@ -35,10 +36,25 @@ std::string value_text(const FittedParameter& p, const model::WrittenUnit& unit)
   return value + in_unit + " not determined by the data";
 }
 
+/// `value` [SI] with as many digits as it takes to be read as the same again.
+std::string unchanged(double value, const model::WrittenUnit& unit) {
+  constexpr int most = 17;
+  for (int count = digits; count < most; ++count) {
+    const std::string text = model::written(value, unit, count);
+    double number = 0.0;
+    std::from_chars(text.data() + (unit.name.empty() ? 0 : 1), text.data() + text.size(), number);
+    if (number * unit.size == value) return text;
+  }
+  return model::written(value, unit, most);
+}
+
 /// `before`: the value in the file, with the choices made [SI].
 model::FileEdit edit_of(const std::string& text, const std::string& path, const FittedParameter& p,
                         double before) {
   const auto unit = model::written_unit(text, path, p.unit);
+  if (p.verdict == Verdict::undetermined && p.value == before)
+    return {path, unchanged(before, unit),
+            fmt::format("{} not determined by the data, left as it was", model::last_key(path))};
   return {path, model::written(p.value, unit, digits),
           fmt::format("{} {} (was {:.5g})", model::last_key(path), value_text(p, unit),
                       before / unit.size)};

@@ -88,7 +88,7 @@ Eigen::VectorXd joint_deviations(const Linearised& at, double scatter) {
 
 FittedParameter fitted(const Variable& variable, double x, double data, double joint,
                        double half_width) {
-  const double value = variable.value(x);
+  const double value = x == variable.x(variable.start) ? variable.start : variable.value(x);
   FittedParameter p{.paths = variable.paths,
                     .unit = variable.unit,
                     .start = variable.start,
@@ -119,8 +119,9 @@ FittedTarget met(const Problem& problem, const State& state, std::size_t i) {
   const auto& point = state.seen[static_cast<std::size_t>(p)];
   const int k = point.mode_of[i];
   const auto& mode = point.seen.modes[static_cast<std::size_t>(k)];
-  FittedTarget fit{.mode = problem.observes_plant() ? nearest_mode(point.seen, mode) : k,
-                   .omega = mode.omega()};
+  FittedTarget fit{.mode = k, .omega = mode.omega()};
+  if (problem.observes_plant())
+    fit.mode = nearest_mode(point.seen.mechanics, modal::normal_modes(point.seen.mechanics), mode);
   const bool damped = problem.observes_plant() ||
                       state.points[static_cast<std::size_t>(p)].damped_mode(k) != nullptr;
   if (target.damping && damped) {
@@ -244,6 +245,39 @@ void describe(const Problem& problem, const Solution& solution, Candidate& candi
   describe_parameters(problem, solution, at, candidate);
 }
 
+/// What data and priors leave open ends wherever the search began at random. Such a parameter goes
+/// back to its start, the value of the file, where that leaves the fit as good as it is. Whether
+/// any did.
+bool take_back(const Problem& problem, const Candidate& candidate, const SolverOptions& options,
+               Solution& solution) {
+  constexpr double unnoticed = 0.01;  // of a squared deviation
+  const double limit = solution.cost + 0.5 * unnoticed * std::pow(candidate.scatter, 2);
+  const Eigen::VectorXd start = problem.start();
+  bool any = false;
+  for (int j = 0; j < problem.size(); ++j) {
+    const auto& p = candidate.parameters[static_cast<std::size_t>(j)];
+    const double size = size_of(problem.variables()[static_cast<std::size_t>(j)], p.value);
+    if (p.deviation <= free_above * size || solution.x[j] == start[j]) continue;
+    Eigen::VectorXd x = solution.x;
+    x[j] = start[j];
+    const auto back = evaluated(problem, x, options);
+    if (!back.usable || back.cost > limit) continue;
+    solution.x = x;
+    any = true;
+  }
+  return any;
+}
+
+/// Fills in the candidate from one solution, with what it does not determine as it was.
+void describe_determined(const Problem& problem, Solution solution, const SolverOptions& options,
+                         Candidate& candidate) {
+  describe(problem, solution, candidate);
+  if (!candidate.fitted || !take_back(problem, candidate, options, solution)) return;
+  auto back = candidate;
+  describe(problem, solution, back);
+  if (back.fitted) candidate = std::move(back);
+}
+
 /// Parameters that look determined, but have another value in a solution that is as good.
 void find_other_values(Combination& combination, const Solution& best) {
   auto& candidate = combination.candidate;
@@ -304,7 +338,7 @@ void conclude(Combination& combination) {
   constexpr double same = 0.01;
   for (const auto& other : combination.solutions)
     candidate.starts_that_agree += other.usable && other.cost <= best->cost * (1.0 + same) + 1e-9;
-  describe(*combination.problem, *best, candidate);
+  describe_determined(*combination.problem, *best, {}, candidate);
   if (!candidate.fitted) return;
   find_other_values(combination, *best);
 }
@@ -337,7 +371,7 @@ bool conclude_robust(Combination& combination, const FitOptions& options, bool f
   Candidate robust = combination.candidate;
   robust.robust = true;
   robust.scatter = 1.0;
-  describe(problem, best, robust);
+  describe_determined(problem, best, {.cauchy = true}, robust);
   const auto count = static_cast<long>(robust.targets.size());
   const auto far = std::count_if(robust.targets.begin(), robust.targets.end(),
                                  [](const FittedTarget& t) { return t.outlier; });

@@ -106,9 +106,10 @@ void set_bounds(const Problem& problem, double* x, ceres::Problem& ceres_problem
   }
 }
 
-/// Where nothing is free there is nothing to solve.
-Solution evaluated(const Problem& problem, const SolverOptions& options) {
-  Solution solution{.converged = true, .x = Eigen::VectorXd(0)};
+}  // namespace
+
+Solution evaluated(const Problem& problem, const Eigen::VectorXd& x, const SolverOptions& options) {
+  Solution solution{.converged = true, .x = x};
   State state;
   if (!problem.evaluate(solution.x, false, state)) return solution;
   Eigen::VectorXd r;
@@ -124,10 +125,8 @@ Solution evaluated(const Problem& problem, const SolverOptions& options) {
   return solution;
 }
 
-}  // namespace
-
 Solution solve(const Problem& problem, const Eigen::VectorXd& start, const SolverOptions& options) {
-  if (problem.size() == 0) return evaluated(problem, options);
+  if (problem.size() == 0) return evaluated(problem, start, options);
   quieten_log();
   Solution solution{.x = start};
   SharedState shared(problem, solution.x.data());

@@ -24,6 +24,9 @@ struct Solution {
   Eigen::VectorXd x{};
 };
 
+/// The problem at `x`, with nothing solved.
+Solution evaluated(const Problem& problem, const Eigen::VectorXd& x, const SolverOptions& options);
+
 Solution solve(const Problem& problem, const Eigen::VectorXd& start, const SolverOptions& options);
 
 }  // namespace hydrapod::calibration

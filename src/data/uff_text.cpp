@@ -137,7 +137,8 @@ std::string iso_date(std::string_view uff) {
 }
 
 std::string uff_text_line(const std::string& text) {
-  return fortran_a(text.empty() ? "NONE" : text, 80) + '\n';
+  // a name may have a line end, which would move all lines behind it
+  return fortran_a(text.empty() ? "NONE" : base::printable(text, std::string::npos), 80) + '\n';
 }
 
 std::string uff_function_head(const UffFunction& f) {

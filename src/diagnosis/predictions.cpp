@@ -6,7 +6,7 @@
 #include "evidence.hpp"
 #include "hydrapod/hydraulics/servo_axis.hpp"
 #include "hydrapod/kinematics/legs.hpp"
-#include "hydrapod/modal/normal_modes.hpp"
+#include "hydrapod/modal/damped_modes.hpp"
 #include "hydrapod/simulation/linear_system.hpp"
 #include "hydrapod/simulation/plant.hpp"
 
@@ -31,15 +31,17 @@ observation::Observation Predictions::seen(const model::Machine& machine, dynami
 
 void Predictions::bring(const model::NamedPose& pose, std::vector<Resonance>& resonances) {
   const auto stated = seen(file_.machine, stated_, pose);
-  const auto modes = modal::normal_modes(stated.mechanics);
+  const auto modes = modal::modes_with_elastomers(file_.machine, stated.mechanics);
+  const auto of_mechanics = [&](const observation::ObservedMode& mode) {
+    return modes.omega(observation::nearest_mode(stated.mechanics, modes, mode));
+  };
   for (auto& resonance : resonances) {
     const auto distance = [&](const observation::ObservedMode& mode) {
-      const double omega = modes.omega(observation::nearest_mode(stated, mode));
-      return std::abs(std::log(omega / resonance.omega));
+      return std::abs(std::log(of_mechanics(mode) / resonance.omega));
     };
     const auto nearest = std::ranges::min_element(stated.modes, {}, distance);
     if (nearest == stated.modes.end()) continue;
-    resonance.omega *= nearest->omega() / modes.omega(observation::nearest_mode(stated, *nearest));
+    resonance.omega *= nearest->omega() / of_mechanics(*nearest);
   }
 }
 

@@ -143,16 +143,41 @@ bool is_plain(std::string_view name) {
          std::ranges::all_of(name, [](char c) { return is_letter(c) || (c >= '0' && c <= '9'); });
 }
 
+/// Of a mode of the payload, as it stands in structured names: one that is no identifier is
+/// counted.
+std::string mode_name(const model::Machine& machine, std::size_t mode) {
+  const auto& name = machine.payload_modes.at(mode).name;
+  if (is_plain(name)) return name;
+  auto counted = "mode_" + std::to_string(mode + 1);
+  const auto is_taken = [&](const auto& other) { return other.name == counted; };
+  while (std::ranges::any_of(machine.payload_modes, is_taken)) counted += '_';
+  return counted;
+}
+
 /// "leg.3.rod.mass" as "leg3.rod.mass"; a pose whose name is no identifier is "reference".
 std::string parameter_name(const model::Machine& machine, const ParameterId& id) {
   const auto path = model::path(machine, id);
   const auto row = model::row_of(id).path;
+  const auto key = path.substr(path.rfind(model::last_key(row)));
   if (row.starts_with("poses.")) {
     const auto& pose = machine.poses.at(static_cast<std::size_t>(id.of) - 1).name;
-    const auto key = path.substr(path.rfind(model::last_key(row)));
     return "poses." + (is_plain(pose) ? pose : std::string("reference")) + '.' + key;
   }
+  if (row.starts_with("payload_modes."))
+    return "payload_modes." + mode_name(machine, static_cast<std::size_t>(id.of) - 1) + '.' + key;
   return path.starts_with("leg.") ? "leg" + path.substr(4) : path;
+}
+
+/// "payload.NAME", "payload.NAME_rate" with the name that parameters have.
+std::string state_name(const model::Machine& machine, const std::string& name) {
+  constexpr std::string_view front = "payload.", rate = "_rate";
+  for (std::size_t k = 0; k < machine.payload_modes.size(); ++k) {
+    const auto own = std::string(front) + machine.payload_modes[k].name;
+    for (const auto end : {std::string_view(), rate})
+      if (name == own + std::string(end))
+        return std::string(front) + mode_name(machine, k) + std::string(end);
+  }
+  return name;
 }
 
 /// What the table says, without its marks.
@@ -250,6 +275,12 @@ std::string state_description(const simulation::StateLayout& layout, int k, bool
       of = k < first + layout.line_states / 2 ? "pressure in a line, absolute, from the valve on"
                                               : "flow in a line towards the chamber";
   if (layout.base >= 0 && k >= layout.base) of = "motion of the base against the ground";
+  if (layout.arms >= 0 && k >= layout.arms) of = "way of a damper in an elastomer seal";
+  for (const auto& softening : {layout.sleeve_softening, layout.ring_softening})
+    for (const int first : softening)
+      if (first >= 0 && k >= first && k < first + simulation::StateLayout::softening_states)
+        of = k == first ? "square of an elastomer seal's amplitude over its softening amplitude"
+                        : "mean position of an elastomer seal";
   return rate ? "rate of: " + of : of;
 }
 
@@ -260,7 +291,9 @@ std::string rate_unit(const std::string& unit) {
 }
 
 void add_states(const Plant& plant, std::vector<FmuVariable>& all) {
-  const auto names = plant.state_names(), units = plant.state_units();
+  auto names = plant.state_names();
+  for (auto& name : names) name = state_name(plant.machine(), name);
+  const auto units = plant.state_units();
   const auto scales = plant.scales();
   for (const bool rate : {false, true})
     for (std::size_t k = 0; k < names.size(); ++k) {

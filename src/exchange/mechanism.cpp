@@ -270,6 +270,22 @@ Mechanism mechanism(const Machine& of_file, const Pose& X_BP, dynamics::ModelKin
   return result;
 }
 
+SingleSprings single_springs(const LegMechanism& leg) {
+  if (leg.coupled.empty()) return {leg.oil, leg.tilt};
+  SingleSprings springs{leg.oil, {}};
+  for (std::size_t i = 0; i < 2; ++i) springs.tilt[i].stiffness = leg.tilt_alone[i];
+  for (const auto& [along, spring] : leg.coupled) {
+    springs.slide.rest_force += along[0] * spring.rest_force;
+    springs.slide.damping += along[0] * along[0] * spring.damping;
+    for (std::size_t i = 0; i < 2; ++i) {
+      const double arm = along[static_cast<Eigen::Index>(1 + i)];
+      springs.tilt[i].rest_force += arm * spring.rest_force;
+      springs.tilt[i].damping += arm * arm * spring.damping;
+    }
+  }
+  return springs;
+}
+
 Principal principal(const Matrix3& inertia) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver{Eigen::MatrixXd(inertia)};
   Principal result{solver.eigenvectors(), solver.eigenvalues()};
@@ -325,18 +341,55 @@ void add_joint_inertia_parity(const Mechanism& parts, Parity& parity) {
                       "joints have no inertia of their own in the format"});
 }
 
-MultibodyFile multibody_file(const Machine& machine, const Pose& X_BP, dynamics::ModelKind kind,
+namespace {
+
+/// Parts of legs without mass or inertia get a little of the whole leg's: programs take no links
+/// without. Whether there are any.
+bool fill_massless_parts(Machine& machine) {
+  constexpr double little = 1e-6;
+  bool any = false;
+  for (auto& leg : machine.legs) {
+    auto& tube = leg.cylinder_case;
+    auto& rod = leg.rod;
+    const double mass = little * (tube.mass + rod.mass),
+                 inertia = little * std::max({tube.transverse_inertia, rod.transverse_inertia,
+                                              (tube.mass + rod.mass) * rod.length * rod.length});
+    const auto fill = [&](double& value, double least) {
+      any = any || value == 0.0;
+      if (value == 0.0) value = least;
+    };
+    fill(tube.mass, mass);
+    fill(rod.mass, mass);
+    fill(tube.transverse_inertia, inertia);
+    fill(rod.transverse_inertia, inertia);
+  }
+  return any;
+}
+
+}  // namespace
+
+MultibodyFile multibody_file(const Machine& of_file, const Pose& X_BP, dynamics::ModelKind kind,
                              MultibodyFormat format) {
   const bool coupled = format == MultibodyFormat::mjcf;
+  auto machine = of_file;
   const bool struts = model::leg_type(machine) == model::LegType::strut;
   if (struts && !coupled)
     base::refuse("legs.strut",
                  "has no mass, and links of SDF and URDF need one; expected MJCF, where struts are "
                  "tendons");
+  if (coupled && !struts &&
+      std::ranges::any_of(machine.legs, [](const auto& leg) { return leg.rod.mass == 0.0; }))
+    base::refuse("legs.rod.mass",
+                 "is 0, and MuJoCo closes the loops at the rods' ends with forces that need a mass "
+                 "there; expected the mass of the rod, or a part of the case's");
   const bool lose_offset = !coupled && kind == dynamics::ModelKind::full;
+  const bool filled = !coupled && fill_massless_parts(machine);
   auto parts = mechanism(machine, X_BP, lose_offset ? dynamics::ModelKind::guide : kind);
   MultibodyFile file{.parity = parts.parity};
   auto& parity = file.parity;
+  if (filled)
+    parity.push_back({Held::approximate, "parts of legs without mass or inertia",
+                      "a millionth of the leg's, which links need"});
   if (lose_offset)
     parity.push_back({Held::absent, "piston offset in its ring",
                       "three joints in one place need links without mass"});
@@ -348,7 +401,8 @@ MultibodyFile multibody_file(const Machine& machine, const Pose& X_BP, dynamics:
         {bent && !coupled ? Held::approximate : Held::exact, "seals, small motions at this pose",
          !bent     ? "two hinges at the piston with stiffness"
          : coupled ? "fixed tendons: the second-order potential about the bent rest"
-                   : "stiffness of each hinge alone; coupling of tilt and stroke is left out"});
+                   : "spring, damper and moment at rest of each hinge alone; coupling of tilt and "
+                     "stroke is left out"});
   if (kind != dynamics::ModelKind::rigid)
     parity.push_back({Held::approximate, "seals, large motions",
                       "the hinges keep the stiffness that they have at this pose"});

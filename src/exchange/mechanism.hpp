@@ -72,6 +72,14 @@ struct Mechanism {
 /// Throws base::ComputationError where the machine does not stand at `X_BP`.
 Mechanism mechanism(const Machine& machine, const Pose& X_BP, dynamics::ModelKind kind);
 
+/// Springs of the slide and the two hinges at the piston for programs without coupled springs: each
+/// joint alone, and what the bent seals push with at rest, without which the legs would bend on.
+struct SingleSprings {
+  Spring slide{};
+  std::array<Spring, 2> tilt{};
+};
+SingleSprings single_springs(const LegMechanism& leg);
+
 /// Inertia about the mass centre: principal axes (right-handed) and moments.
 struct Principal {
   Matrix3 axes{Matrix3::Identity()};

@@ -9,13 +9,15 @@ namespace hydrapod::exchange {
 
 namespace {
 
-/// The least that MuJoCo takes: bodies of the model with transverse axes do not spin.
-constexpr double least_inertia = 1e-13;
+/// The least that MuJoCo takes: bodies of the model with transverse axes do not spin, and a leg may
+/// have its mass in one of its parts.
+constexpr double least_inertia = 1e-13, least_mass = 1e-12;
 
 std::string mjcf_inertial(double mass, double center, double transverse, double axial) {
   return fmt::format(
       "<inertial pos='0 0 {:.17g}' mass='{:.17g}' diaginertia='{:.17g} {:.17g} {:.17g}'/>\n",
-      center, mass, transverse, transverse, std::max(axial, least_inertia));
+      center, std::max(mass, least_mass), std::max(transverse, least_inertia),
+      std::max(transverse, least_inertia), std::max(axial, least_inertia));
 }
 
 /// V = f q + ½ k q²: MuJoCo's spring pulls towards springref.

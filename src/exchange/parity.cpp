@@ -2,10 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cmath>
 
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/exchange/exchange.hpp"
+#include "hydrapod/numerics/dense.hpp"
 
 namespace hydrapod::exchange {
 
@@ -40,6 +43,36 @@ void add_drives(Parity& parity) {
                     "their slope at the operating point; saturation and contact are not held"});
 }
 
+/// `rate`: of the fastest motion that grows [1/s]; 0: none.
+void add_growth(double rate, Parity& parity) {
+  if (rate > 0.0)
+    parity.push_back(
+        {Held::exact, "UNSTABLE at this pose",
+         fmt::format("small motions grow, the fastest by e in {:.3g} s; so they do in the file",
+                     1.0 / rate)});
+}
+
+/// Of a continuous or a sampled system; 0 where nothing grows beyond rounding.
+double growth(const StateSpace& system) {
+  const Eigen::VectorXcd poles = numerics::eigenvalues(system.A);
+  if (poles.size() == 0) return 0.0;
+  constexpr double rounding = 1e-9;
+  if (system.sample_time > 0.0) {
+    const double largest = poles.cwiseAbs().maxCoeff();
+    return largest > 1.0 + rounding ? std::log(largest) / system.sample_time : 0.0;
+  }
+  const double largest = poles.real().maxCoeff();
+  return largest > rounding * poles.cwiseAbs().maxCoeff() ? largest : 0.0;
+}
+
+/// Of M q̈ + K q = 0.
+double growth(const Superelement& element) {
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(element.K, element.M,
+                                                                         Eigen::EigenvaluesOnly);
+  const double least = solver.eigenvalues()[0];
+  return least < 0.0 ? std::sqrt(-least) : 0.0;
+}
+
 }  // namespace
 
 bool has_absent(const Parity& parity) {
@@ -49,6 +82,7 @@ bool has_absent(const Parity& parity) {
 Parity state_space_parity(const StateSpace& system) {
   Parity parity{{Held::exact, small_motion, "A, B, C, D of the linearised equations, doubles"},
                 {Held::approximate, "large motions", "only the slope at this pose is held"}};
+  add_growth(growth(system), parity);
   const auto has_state = [&](const char* name) {
     return std::ranges::any_of(
         system.states, [&](const auto& s) { return s.name.find(name) != std::string::npos; });
@@ -87,6 +121,7 @@ Parity superelement_parity(const Machine& machine, const Superelement& element, 
       {nastran ? Held::approximate : Held::exact, "numbers",
        nastran ? "11 digits or more (large field, 16 characters)" : "17 digits"},
       {Held::exact, small_motion, "M, K, C at the interface, gravity's preload terms included"}};
+  add_growth(growth(element), parity);
   if (element.first_left_out > 0.0)
     parity.push_back({Held::approximate, "modes of the legs",
                       fmt::format("those from {:.4g} Hz on, with the interface held, are left out",

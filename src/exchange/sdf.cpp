@@ -46,12 +46,6 @@ std::string sdf_joint(const std::string& name, const char* type, const std::stri
       parent, child, axes);
 }
 
-/// Stiffness of each hinge alone where the legs are bent.
-std::array<Spring, 2> sdf_tilt(const LegMechanism& leg) {
-  if (leg.coupled.empty()) return leg.tilt;
-  return {Spring{leg.tilt_alone[0], 0.0, 0.0}, Spring{leg.tilt_alone[1], 0.0, 0.0}};
-}
-
 Matrix3 axisymmetric(double transverse, double axial, bool spins) {
   constexpr double slim = 1e-6;  // of the transverse inertia: SDF takes no zero
   return Vector3(transverse, transverse, spins && axial > 0.0 ? axial : slim * transverse)
@@ -86,13 +80,13 @@ std::string sdf_leg(const Machine& machine, const Mechanism& all, std::size_t i)
   out += sdf_joint(name + "_base", "universal", "world", tube,
                    sdf_axis("axis", "__model__", m.R_BL * m.base_axis, {}) +
                        sdf_axis("axis2", tube, Vector3::UnitY(), {}));
+  const auto springs = single_springs(m);
   out += sdf_joint(name + "_s", "prismatic", tube, tilts ? piston : rod,
-                   sdf_axis("axis", tube, Vector3::UnitZ(), m.oil));
-  const auto springs = sdf_tilt(m);
+                   sdf_axis("axis", tube, Vector3::UnitZ(), springs.slide));
   if (tilts)
     out += sdf_joint(name + "_tilt", "universal", piston, rod,
-                     sdf_axis("axis", piston, m.R_LR * m.piston_axis, springs[0]) +
-                         sdf_axis("axis2", rod, Vector3::UnitY(), springs[1]));
+                     sdf_axis("axis", piston, m.R_LR * m.piston_axis, springs.tilt[0]) +
+                         sdf_axis("axis2", rod, Vector3::UnitY(), springs.tilt[1]));
   return out + fmt::format(
                    "<joint name='{}_platform' type='ball'><pose relative_to='{}'>0 0 {:.17g} 0 0 0"
                    "</pose><parent>platform</parent><child>{}</child></joint>\n",
@@ -105,7 +99,8 @@ std::string sdf_text(const Machine& machine, const Mechanism& all) {
   double radius = 0.0;
   for (const auto& leg : machine.legs) radius = std::max(radius, leg.platform_joint.norm());
   std::string out = fmt::format(
-      "<?xml version='1.0'?>\n<sdf version='1.9'>\n<world name='world_of_{0}'>\n"
+      "<?xml version='1.0'?>\n<!-- hydrapod export -->\n<sdf version='1.9'>\n<world "
+      "name='world_of_{0}'>\n"
       "<gravity>{1}</gravity>\n<model name='hexapod'>\n<link name='platform'>\n{2}{3}"
       "<visual name='plate'><pose>0 0 {4:.6g} 0 0 0</pose><geometry><cylinder><radius>{5:.6g}"
       "</radius><length>{6:.6g}</length></cylinder></geometry></visual>\n</link>\n",

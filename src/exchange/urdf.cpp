@@ -48,10 +48,6 @@ std::pair<double, double> urdf_travel(const model::Leg& leg, double l_m) {
   return {leg.stroke->retracted - l_m, leg.stroke->retracted + leg.stroke->length - l_m};
 }
 
-double tilt_stiffness(const LegMechanism& leg, std::size_t i) {
-  return leg.coupled.empty() ? leg.tilt[i].stiffness : leg.tilt_alone[i];
-}
-
 std::string urdf_leg(const Machine& machine, const Mechanism& all, std::size_t i) {
   const auto& leg = machine.legs[i];
   const auto& m = all.legs[i];
@@ -76,8 +72,9 @@ std::string urdf_leg(const Machine& machine, const Mechanism& all, std::size_t i
          urdf_joint(name + "_base2", "continuous", name + "_cross", name + "_case", Vector3::Zero(),
                     one, urdf_axis(Vector3::UnitY(), 0.0));
   const auto [lower, upper] = urdf_travel(leg, m.p_LR.z());
+  const auto springs = single_springs(m);
   const std::string slide =
-      urdf_axis(Vector3::UnitZ(), m.oil.damping) +
+      urdf_axis(Vector3::UnitZ(), springs.slide.damping) +
       fmt::format("<limit lower=\"{:.17g}\" upper=\"{:.17g}\" effort=\"1e9\" velocity=\"1e3\"/>",
                   lower, upper);
   if (all.kind == dynamics::ModelKind::rigid)
@@ -85,12 +82,11 @@ std::string urdf_leg(const Machine& machine, const Mechanism& all, std::size_t i
                             slide);
   out += urdf_link(name + "_piston", "") + urdf_link(name + "_tilt", "");
   out += urdf_joint(name + "_s", "prismatic", name + "_case", name + "_piston", m.p_LR, one, slide);
-  const double damping0 = m.tilt[0].damping, damping1 = m.tilt[1].damping;
   return out +
          urdf_joint(name + "_tilt1", "continuous", name + "_piston", name + "_tilt",
-                    Vector3::Zero(), m.R_LR, urdf_axis(m.piston_axis, damping0)) +
+                    Vector3::Zero(), m.R_LR, urdf_axis(m.piston_axis, springs.tilt[0].damping)) +
          urdf_joint(name + "_tilt2", "continuous", name + "_tilt", name + "_rod", Vector3::Zero(),
-                    one, urdf_axis(Vector3::UnitY(), damping1));
+                    one, urdf_axis(Vector3::UnitY(), springs.tilt[1].damping));
 }
 
 }  // namespace
@@ -98,7 +94,7 @@ std::string urdf_leg(const Machine& machine, const Mechanism& all, std::size_t i
 std::string urdf_text(const Machine& machine, const Mechanism& all) {
   double radius = 0.0;
   for (const auto& leg : machine.legs) radius = std::max(radius, leg.platform_joint.norm());
-  std::string out = "<?xml version=\"1.0\"?>\n<robot name=\"hexapod\">\n";
+  std::string out = "<?xml version=\"1.0\"?>\n<!-- hydrapod export -->\n<robot name=\"hexapod\">\n";
   out += urdf_link("base", "");
   out += urdf_link("platform", urdf_inertial(machine.platform.mass, machine.platform.mass_center,
                                              machine.platform.inertia) +
@@ -121,13 +117,15 @@ std::string closures_json(const Machine& machine, const Mechanism& all) {
                         {"point_1", vector({0.0, 0.0, m.rod_end})},
                         {"link_2", "platform"},
                         {"point_2", vector(machine.legs[i].platform_joint)}});
-    const auto add = [&](const std::string& joint, double stiffness, double rest_force) {
-      springs.push_back({{"joint", joint}, {"stiffness", stiffness}, {"rest_force", -rest_force}});
+    const auto add = [&](const std::string& joint, const Spring& spring) {
+      springs.push_back(
+          {{"joint", joint}, {"stiffness", spring.stiffness}, {"rest_force", -spring.rest_force}});
     };
-    add(name + "_s", m.oil.stiffness, m.oil.rest_force);
+    const auto [slide, tilt] = single_springs(m);
+    add(name + "_s", slide);
     if (all.kind == dynamics::ModelKind::rigid) continue;
-    add(name + "_tilt1", tilt_stiffness(m, 0), 0.0);
-    add(name + "_tilt2", tilt_stiffness(m, 1), 0.0);
+    add(name + "_tilt1", tilt[0]);
+    add(name + "_tilt2", tilt[1]);
   }
   return Json{{"kind", "closures"},
               {"gravity_m_s2", vector(machine.gravity)},

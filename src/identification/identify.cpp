@@ -24,22 +24,11 @@
 #include "search.hpp"
 #include "usable.hpp"
 #include "weak_modes.hpp"
+#include "window_effect.hpp"
 
 namespace hydrapod::identification {
 
 namespace {
-
-std::vector<PoleEstimate> estimates(const ModalModel& model) {
-  return {model.modes.begin(), model.modes.end()};
-}
-
-/// The clusters of the modes that `result` has, at where the fit put them.
-std::vector<PoleCluster> fitted_clusters(const Identification& result) {
-  auto clusters = result.clusters;
-  for (std::size_t r = 0; r < clusters.size(); ++r)
-    clusters[r].representative = result.model.modes[r];
-  return clusters;
-}
 
 bool is_near(Complex a, Complex b, double near) {
   return std::abs(std::abs(a) / std::abs(b) - 1.0) < near;
@@ -196,41 +185,6 @@ std::optional<Band> band_of_few_lines(const IdentifyOptions& options,
   return Band{result.from, frequency[few_lines]};
 }
 
-/// 2 n ln(sum of squares) + 2 k (Akaike) by the k numbers of residual terms; n: lines and entries,
-/// as many as are independent.
-double residual_criterion(const FrequencyResponses& r, const ModalModel& model) {
-  const auto entries = static_cast<double>(r.H[0].size());
-  const double n =
-      static_cast<double>(r.lines()) * numbers_per_line(r) / std::max(1.0, lines_in_step(r));
-  const double k = entries * static_cast<double>(model.residuals.size());
-  return 2.0 * n * std::log(std::max(model.cost, 1e-300)) + 2.0 * k;
-}
-
-}  // namespace
-
-void settle_residuals(const IdentifyOptions& options, Identification& result) {
-  auto better = options;
-  better.fit.deviations = Deviations::none;
-  auto best = fit_modes(result.responses, estimates(result.model), better.fit);
-  double least = residual_criterion(result.responses, best);
-  for (int power = options.fit.highest_residual_power + 1; power <= options.highest_residual_power;
-       ++power) {
-    auto fit = better.fit;
-    fit.highest_residual_power = power;
-    auto model = fit_modes(result.responses, estimates(best), fit);
-    const double criterion = residual_criterion(result.responses, model);
-    if (criterion >= least) break;
-    least = criterion;
-    best = std::move(model);
-    better.fit = fit;
-  }
-  result.model = std::move(best);
-  better.fit.deviations = options.fit.deviations;
-  fit_and_prune(better, fitted_clusters(result), result);
-}
-
-namespace {
-
 /// Poles that covariance-driven subspace identification finds beside those of `s`.
 void add_realised(const IdentifyOptions& options, Search& s) {
   const auto chart = realised_poles(impulse_response(s.responses));
@@ -267,6 +221,7 @@ void settle_errors(const IdentifyOptions& options, Identification& result) {
   const auto rest = residual_of(result.responses, result.model, options.fit.taper);
   result.responses =
       with_assumed_errors(std::move(result.responses), rest.H, true, options.assumed_errors);
+  if (result.responses.taper.size() > 0) add_leakage(result.responses, rest.H, result.model);
 }
 
 /// Modes from what was found, and such as show only beside them.
@@ -428,12 +383,9 @@ void test_conjugates(const FrequencyResponses& responses, const IdentifyOptions&
   for (auto& mode : result.modes) mode.explained = 0.0;
 }
 
-}  // namespace
-
-Identification identify_modes(const FrequencyResponses& all, const IdentifyOptions& asked,
-                              const std::function<void(double)>& progress) {
-  const UsableResponses usable(all);
-  const auto& given = usable.get();
+/// Of responses as they are; with errors, also where these were assumed.
+Identification identified(const FrequencyResponses& given, const IdentifyOptions& asked,
+                          const std::function<void(double)>& progress) {
   auto options = asked;
   if (given.whole) {
     options.least_significance = asked.least_significance_of_outputs;
@@ -467,7 +419,52 @@ Identification identify_modes(const FrequencyResponses& all, const IdentifyOptio
   add_warnings(options, result);
   warn_of_peaks_above(responses, asked, result);
   test_conjugates(responses, options, assumed, progress, result);
-  if (assumed) remove_errors(result.responses);
+  return result;
+}
+
+/// Where modes leave more than noise, resonances may be wider than the machine's by a window that
+/// the file does not name: then, with its effect, they leave noise alone.
+void test_window(const FrequencyResponses& given, const IdentifyOptions& options,
+                 const std::function<void(double)>& progress, Identification& result) {
+  const auto is_noise = [&](const ModalModel& model, const std::vector<Unexplained>& unexplained) {
+    return unexplained.empty() && model.misfit <= options.largest_misfit;
+  };
+  if (is_noise(result.model, result.unexplained)) return;
+  if (!may_be_windowed(given)) return;
+  std::optional<Window> found;
+  for (const auto window : {Window::hann, Window::rectangular}) {
+    auto other = identified(with_window(given, window), options, [&](double) {
+      if (progress) progress(1.0);
+    });
+    if (other.modes.empty() || !is_noise(other.model, other.unexplained) ||
+        !(evidence(other, result, options) > options.window_evidence))
+      continue;
+    result = std::move(other);
+    found = window;
+  }
+  if (!found) return;
+  // the rate of the taper is none of samples
+  std::erase_if(result.warnings, [](const ModeWarning& warning) {
+    return warning.kind == ModeWarning::Kind::few_samples;
+  });
+  const auto& r = result.responses;
+  result.warnings.insert(result.warnings.begin(),
+                         {.kind = ModeWarning::Kind::window,
+                          .value = static_cast<double>(r.taper.size()) / r.sample_rate,
+                          .from = r.frequency.front(),
+                          .to = r.frequency.back(),
+                          .window = std::string(window_text(*found))});
+}
+
+}  // namespace
+
+Identification identify_modes(const FrequencyResponses& all, const IdentifyOptions& asked,
+                              const std::function<void(double)>& progress) {
+  const UsableResponses usable(all);
+  const auto& given = usable.get();
+  auto result = identified(given, asked, progress);
+  test_window(given, asked, progress, result);
+  if (!given.has_errors()) remove_errors(result.responses);
   return result;
 }
 

@@ -72,16 +72,14 @@ void compare_with_instrument(const Plan& plan, Measurement& m) {
 }
 
 /// Throws where the modes of the record in one piece were asked for, and averages are what is to be
-/// had. `short_record`: too short for averages.
-void refuse_averages(const MeasureOptions& options, bool short_record) {
+/// had; `why` that is so.
+void refuse_averages(const MeasureOptions& options, const char* why) {
   if (!options.for_modes || !options.whole_record.value_or(false) || asks_for_blocks(options))
     return;
   throw base::ComputationError(
-      short_record ? "modes are not estimated from the whole record at once where samples are "
-                     "missing that cannot be filled; leave --whole-record out"
-                   : "modes are estimated from the whole record at once where it is too short for "
-                     "averages of blocks, and this one is not, or its excitation is periodic; "
-                     "leave --whole-record out");
+      fmt::format("modes are estimated from the whole record at once where it is too short for "
+                  "averages of blocks, and {}; leave --whole-record out",
+                  why));
 }
 
 /// What a reading gave, and whether it calls for a look at spikes.
@@ -97,8 +95,10 @@ Attempt responses_without(const std::vector<Spike>& spikes, data::RecordSet& rec
   records.take_as_missing(stretches_of(spikes));
   Plan plan = plan_channels(records.files()[0], m.header, options);
   Beginning beginning(records, plan.choice, settling_samples(records, options));
-  if (auto hits = measure_hits(records, plan, options, spikes, beginning))
+  if (auto hits = measure_hits(records, plan, options, spikes, beginning)) {
+    refuse_averages(options, "this one is of hits, each of which is a block");
     return {std::move(*hits), true};
+  }
   const Plan planned = plan;
   Reading reading = plan_reading(records, plan, options, beginning);
   read_spectra(records, reading, progress, m);
@@ -124,7 +124,9 @@ Attempt responses_without(const std::vector<Spike>& spikes, data::RecordSet& rec
       return {std::move(m), is_suspicious};
     }
   }
-  if (!m.interrupted) refuse_averages(options, blocks.has_value());
+  if (!m.interrupted)
+    refuse_averages(options, blocks ? "samples of this one are missing that cannot be filled"
+                                    : "this one is not, or its excitation is periodic");
   const auto earlier = std::move(m.responses.warnings);
   m.responses = responses_for_modes(m.spectra, plan.choice, plan.estimator);
   m.responses.harmonics = std::move(harmonics);
@@ -194,6 +196,7 @@ Measurement measure_responses(data::RecordSet& records, const MeasureOptions& op
 
 Measurement measure_outputs(data::RecordSet& records, const MeasureOptions& options,
                             const numerics::Progress& progress) {
+  refuse_averages(options, "its inputs are known; outputs alone are always averaged");
   return without_spikes(records, plan_outputs(records.files()[0], records.header(), options),
                         [&](const std::vector<Spike>& spikes) {
                           return outputs_without(spikes, records, options, progress);

@@ -196,4 +196,15 @@ bool fit_if_all_stay(const IdentifyOptions& options, std::vector<PoleCluster> cl
   return fit_and_judge(options, std::move(clusters), tried, result);
 }
 
+std::vector<PoleEstimate> estimates(const ModalModel& model) {
+  return {model.modes.begin(), model.modes.end()};
+}
+
+std::vector<PoleCluster> fitted_clusters(const Identification& result) {
+  auto clusters = result.clusters;
+  for (std::size_t r = 0; r < clusters.size(); ++r)
+    clusters[r].representative = result.model.modes[r];
+  return clusters;
+}
+
 }  // namespace hydrapod::identification

@@ -24,4 +24,9 @@ void fit_and_prune(const IdentifyOptions& options, std::vector<PoleCluster> clus
 bool fit_if_all_stay(const IdentifyOptions& options, std::vector<PoleCluster> clusters,
                      std::size_t tried, Identification& result);
 
+std::vector<PoleEstimate> estimates(const ModalModel& model);
+
+/// The clusters of the modes that `result` has, at where the fit put them.
+std::vector<PoleCluster> fitted_clusters(const Identification& result);
+
 }  // namespace hydrapod::identification

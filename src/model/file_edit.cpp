@@ -314,7 +314,12 @@ void put(std::string& text, const FileEdit& edit) {
   if (edit.taken_out) return take_out(text, *path);
   const Node root = tree_of(text);
   const Node* node = find_node(root, *path);
-  if (node == nullptr) return add_value(text, root, *path, edit.value);
+  if (node == nullptr) {
+    const auto all = spelt_out(root, *path, {}, Faults({"machine file"}));
+    if (!all) return add_value(text, root, *path, edit.value);
+    put(text, {.path = to_string(all->path), .value = toml_of(all->value)});
+    return put(text, edit);
+  }
   const std::size_t at = offset_of(text, node->place);
   const bool is_value = !node->is_table() || text[at] == '{';
   if (!is_value)

@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <string_view>
 #include <utility>
 
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/model/parameters.hpp"
 #include "hydrapod/model/section.hpp"
+#include "machine_reader.hpp"
 
 namespace hydrapod::model {
 
@@ -76,6 +78,8 @@ class Overlay {
     if (auto* error = std::get_if<SyntaxError>(&parsed)) {
       return reject(to_string(*path), error->message);
     }
+    // an element of an array that the file does not write is one of the machine all the same
+    if (auto all = spelt_out(root_, *path, place_, faults_)) put(all->path, std::move(all->value));
     put(*path, std::move(std::get<Node>(parsed)));
   }
 
@@ -159,6 +163,36 @@ class Overlay {
 };
 
 }  // namespace
+
+std::optional<SpeltOut> spelt_out(const Node& root, const KeyPath& path, const Place& place,
+                                  Faults faults) {
+  if (path.size() < 2 || find_node(root, path) != nullptr) return std::nullopt;
+  const KeyPath above(path.begin(), path.end() - 1);
+  const Node* written = find_node(root, above);
+  const bool of_array = path.back().index.has_value();
+  const bool is_array = written != nullptr && written->kind == Node::Kind::array;
+  // what an array lacks it cannot have; keys of tensors are added, unless that is in rows
+  if (of_array == is_array) return std::nullopt;
+  const auto machine = read_machine(root, faults).machine;
+  const std::string first = of_array ? to_string(above) + "[0]" : to_string(path);
+  const auto id = find_parameter(machine, first);
+  if (!id || (!of_array && row_of(*id).kind != Kind::tensor)) return std::nullopt;
+  Node all;
+  all.kind = of_array ? Node::Kind::array : Node::Kind::table;
+  all.place = place;
+  for (int k = 0; k < row_of(*id).numbers; ++k) {
+    auto element = *id;
+    element.element = static_cast<std::int16_t>(k);
+    const auto number = value(machine, element);
+    if (!number || !std::isfinite(*number)) return std::nullopt;
+    auto& child = all.children.emplace_back();
+    child.kind = Node::Kind::real;
+    child.place = child.key_place = place;
+    child.number = *number;
+    if (!of_array) child.key = std::string(last_key(model::path(machine, element)));
+  }
+  return SpeltOut{above, std::move(all)};
+}
 
 void lay_over(Node& root, const std::vector<std::string>& overrides, Faults& faults) {
   for (std::size_t i = 0; i < overrides.size(); ++i) {

@@ -221,9 +221,9 @@ std::vector<ObservedMode> undamped_modes(const dynamics::LinearModel& model,
   return observed;
 }
 
-int nearest_mode(const Observation& seen, const ObservedMode& mode) {
-  const auto modes = modal::normal_modes(seen.mechanics);
-  const Eigen::VectorXcd momentum = seen.mechanics.M.cast<Complex>() * mode.shape;
+int nearest_mode(const dynamics::LinearModel& mechanics, const dynamics::NormalModes& modes,
+                 const ObservedMode& mode) {
+  const Eigen::VectorXcd momentum = mechanics.M.cast<Complex>() * mode.shape;
   Eigen::Index nearest = 0;
   (modes.shapes.transpose().cast<Complex>() * momentum).cwiseAbs().maxCoeff(&nearest);
   return static_cast<int>(nearest);

@@ -1,7 +1,7 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
-#include "hydrapod/modal/normal_modes.hpp"
+#include "hydrapod/modal/damped_modes.hpp"
 #include "pair_cost.hpp"
 
 namespace hydrapod::observation {
@@ -51,7 +51,7 @@ std::vector<Resonance> visible_resonances(const model::Machine& machine, const s
                                           dynamics::ModelKind kind,
                                           const ObservationOptions& options) {
   const auto model = dynamics::linear_model(machine, X_BP, kind);
-  const auto modes = modal::normal_modes(model);
+  const auto modes = modal::modes_with_elastomers(machine, model);
   RealModes real{model.platform_mass, modes.shapes.topRows<6>(), Eigen::VectorXd(modes.size()), {}};
   for (int k = 0; k < modes.size(); ++k) {
     real.omega[k] = modes.omega(k);

@@ -122,7 +122,8 @@ void Client::connect(const std::function<bool()>& goes_on) {
   }
   base::refuse("--hardware " + transport_->place(),
                fmt::format("no answer for {:g} s; {} packets came, {} of them malformed (another "
-                           "layout?), {} refused (another key?)",
+                           "layout, another number of accelerometers, or cylinders where the "
+                           "file has screws?), {} refused (another key?)",
                            options_.connect, received_ + malformed_ + refused_ + late_, malformed_,
                            refused_));
 }

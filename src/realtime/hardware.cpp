@@ -122,7 +122,10 @@ class Session {
       }
       if (!came) {
         if (now - heard > hardware_.watchdog)
-          return fmt::format("no sensors for {:.3g} ms", 1e3 * (now - heard));
+          return fmt::format("no sensors for {:.0f} ms{}", 1e3 * (now - heard),
+                             samples_ == 0 ? "; a machine that follows another client answers the "
+                                             "hello alone"
+                                           : "");
         if (now - sent > repetition) {
           client_.send_again();
           sent = now;
@@ -149,7 +152,7 @@ class Session {
     start_row(now);
     silent_ = now.length.allFinite() ? 0 : silent_ + 1;
     if (T_ * static_cast<double>(silent_) > hardware_.watchdog)
-      return fmt::format("no leg lengths among the sensors for {:.3g} ms",
+      return fmt::format("no leg lengths among the sensors for {:.0f} ms",
                          1e3 * T_ * static_cast<double>(silent_));
     if (client_.has("state") && acting.number > 0 &&
         (now.state == static_cast<std::uint64_t>(State::ramping) ||

@@ -12,6 +12,8 @@ namespace {
 
 constexpr std::uint64_t magic_command = 0x43445948, magic_sensors = 0x53445948;  // "HYDC", "HYDS"
 constexpr std::uint64_t version = 1;
+/// Packets of both kinds of legs are equally long; torques are no pressures.
+constexpr std::uint64_t of_cylinders = 0, of_screws = 1;
 
 class Builder {
  public:
@@ -124,7 +126,7 @@ Layout native_layout(int accelerometers, model::LegType legs) {
   sensors.constant(ValueType::u32, magic_sensors);
   sensors.constant(ValueType::u16, version);
   sensors.all("state", ValueType::u8);
-  sensors.skip(1);
+  sensors.constant(ValueType::u8, drives ? of_screws : of_cylinders);
   for (const char* name : {"session", "sequence", "time", "answered", "echo"})
     sensors.all(name, ValueType::u64);
   for (const char* name : {"deadline_misses", "accepted", "superseded", "missed", "lost",

@@ -260,6 +260,9 @@ std::vector<std::string> calibration_remarks(const Calibration& result, const Ta
                                   best.parameters.size(), best.targets.size() == 1 ? "is" : "are",
                                   best.targets.size(), best.targets.size() == 1 ? "" : "s"));
   for (const auto& p : best.parameters) {
+    if (p.verdict == Verdict::undetermined && p.value == p.start)
+      remarks.push_back(fmt::format("{}: not determined by the data, left at its start, {:.5g}{}",
+                                    p.paths.front(), p.start, p.unit == "1" ? "" : " " + p.unit));
     if (p.verdict == Verdict::by_prior)
       remarks.push_back(
           fmt::format("{}: determined by its prior, not by the data", p.paths.front()));

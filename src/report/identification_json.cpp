@@ -115,8 +115,9 @@ void describe(Fields& f, identification::LeftOut& left) {
 
 template <class Fields>
 void describe(Fields& f, identification::ModeWarning& warning) {
-  static constexpr std::array kinds{"no_mode", "few_samples",  "misfit",      "unexplained",
-                                    "wanders", "short_blocks", "peaks_above", "conjugated"};
+  static constexpr std::array kinds{"no_mode",     "few_samples", "misfit",
+                                    "unexplained", "wanders",     "short_blocks",
+                                    "peaks_above", "conjugated",  "window"};
   f.word("kind", warning.kind, kinds);
   f("value", warning.value);
   f("from_hz", warning.from);
@@ -125,6 +126,7 @@ void describe(Fields& f, identification::ModeWarning& warning) {
   f.unless(0.0, "share", warning.share);
   f.unless(std::string(), "output", warning.output);
   f.unless(std::string(), "input", warning.input);
+  f.unless(std::string(), "window", warning.window);
   f.unless(std::int64_t{0}, "count", warning.count);
   f.unless(std::int64_t{0}, "total", warning.total);
 }
@@ -175,6 +177,7 @@ void describe(Fields& f, identification::Identification& result) {
   f.maybe("fit_error", result.model.error);
   f.maybe("misfit", result.model.misfit);
   f.unless(false, "errors_assumed", result.errors_assumed);
+  f.optional("needed_duration_s", result.needed_duration);
   f.maybe("unexplained", result.unexplained);
   std::vector<AnyWarning> findings;
   for (const auto& warning : result.responses.warnings) findings.push_back({warning});

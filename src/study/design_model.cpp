@@ -197,7 +197,9 @@ std::vector<Column> design_outputs(const DesignProblem& problem) {
   return columns;
 }
 
-std::optional<std::string> why_no_output(const model::Machine& machine, std::string_view name) {
+std::optional<std::string> why_no_output(const model::Machine& machine, ModelKind kind,
+                                         std::string_view name) {
+  if (auto why = why_no_column(machine, kind, name)) return why;
   const auto all = all_extra_columns(model::leg_type(machine));
   const auto found = std::ranges::find(all, name, &Column::name);
   if (found == all.end()) return std::nullopt;

@@ -6,8 +6,9 @@
 
 namespace hydrapod::study {
 
-/// Do the kernels know everything that the machine has? Not a base that moves, guide rings that the
-/// rod may touch, the inertia of oil lines, oil damped by chambers.
+/// Do the kernels know everything that the machine has? Not plain struts, a compliant base, modes
+/// of the payload, elastomers, rods and cases that bend, seals that stick, guide rings that the rod
+/// may touch, the inertia of oil lines, oil damped by chambers.
 bool fits_lanes(const model::Machine& machine);
 
 /// What all designs of a study have in common.

@@ -141,6 +141,27 @@ std::vector<Column> columns_of(const Kept& kept) {
   return columns;
 }
 
+std::optional<std::string> why_no_column(const model::Machine& machine, ModelKind kind,
+                                         std::string_view name) {
+  const bool rigid = kind == ModelKind::rigid;
+  const bool struts = model::leg_type(machine) == model::LegType::strut;
+  const auto has_stroke = [](const model::Leg& leg) { return leg.stroke.has_value(); };
+  constexpr std::string_view of_direction = "drop_";
+  const bool drop =
+      name == "drop" || (name.starts_with(of_direction) &&
+                         spatial::direction_from_name(name.substr(of_direction.size())));
+  if (drop && rigid && struts)
+    return "compares flexible legs with rigid ones, and plain struts have no guide sleeves";
+  if (drop && rigid)
+    return "compares flexible legs with rigid ones, which --model rigid has alone; expected "
+           "--model "
+           "guide or full";
+  if (name == "buckling" && rigid) return "is of flexible legs, and rigid legs do not buckle";
+  if (name != "stroke" || std::ranges::any_of(machine.legs, has_stroke)) return {};
+  if (struts) return "is what pistons have left, and plain struts have none";
+  return "needs the range of the pistons; expected legs.stroke";
+}
+
 Nominal nominal_of(const model::Machine& machine, const MachineOptions& options) {
   Nominal nominal{.flexible = dynamics::linear_model(machine, options.X_BP, options.kind),
                   .rigid = dynamics::linear_model(machine, options.X_BP, ModelKind::rigid)};

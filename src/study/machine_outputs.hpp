@@ -2,7 +2,10 @@
 /// The columns of machine_problem() and how they follow from modes. Private to the module.
 
 #include <limits>
+#include <optional>
 #include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "hydrapod/modal/normal_modes.hpp"
@@ -44,6 +47,9 @@ struct Layout {
 };
 
 std::vector<Column> columns_of(const Kept& kept);
+/// Why a machine does not have one of these; none: it has it, or it is none of these.
+std::optional<std::string> why_no_column(const model::Machine& machine, dynamics::ModelKind kind,
+                                         std::string_view name);
 
 inline void set(std::span<double> outputs, Status status) {
   outputs[Layout::status] = static_cast<double>(status);

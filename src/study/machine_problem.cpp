@@ -258,6 +258,54 @@ class Evaluation {
   double condition_{}, stroke_left_{};
 };
 
+/// The columns that a machine has, of rows of all columns.
+struct Selection {
+  std::vector<std::size_t> columns{};
+  std::size_t all{};
+
+  void take(std::span<const double> row, std::span<double> outputs) const {
+    for (std::size_t k = 0; k < columns.size(); ++k) outputs[k] = row[columns[k]];
+  }
+};
+
+Model selected(Model model, const Selection& selection) {
+  return [model = std::move(model), selection, row = std::vector<double>(selection.all)](
+             std::span<const double> inputs, std::span<double> outputs) mutable {
+    model(inputs, row);
+    selection.take(row, outputs);
+  };
+}
+
+BatchModel selected(BatchModel model, const Selection& selection) {
+  return [model = std::move(model), selection,
+          numbers = std::vector<double>()](std::span<const Row> rows) mutable {
+    numbers.resize(rows.size() * selection.all);
+    std::vector<Row> whole;
+    for (std::size_t k = 0; k < rows.size(); ++k)
+      whole.push_back(
+          {rows[k].inputs, std::span(numbers).subspan(k * selection.all, selection.all)});
+    const std::size_t alone = model(whole);
+    for (std::size_t k = 0; k < rows.size(); ++k) selection.take(whole[k].outputs, rows[k].outputs);
+    return alone;
+  };
+}
+
+/// The same problem without what the machine does not have.
+Problem without_absent(Problem problem, const Kept& kept) {
+  Selection selection{.all = problem.outputs.size()};
+  std::vector<Column> outputs;
+  for (std::size_t k = 0; k < problem.outputs.size(); ++k) {
+    if (why_no_column(kept.machine, kept.options.kind, problem.outputs[k].name)) continue;
+    selection.columns.push_back(k);
+    outputs.push_back(problem.outputs[k]);
+  }
+  if (outputs.size() == problem.outputs.size()) return problem;
+  Problem less{.inputs = problem.inputs, .outputs = std::move(outputs), .status = problem.status};
+  less.model = [make = problem.model, selection] { return selected(make(), selection); };
+  less.batch = [make = problem.batch, selection] { return selected(make(), selection); };
+  return less;
+}
+
 }  // namespace
 
 Problem machine_problem(const model::Machine& machine, std::vector<Input> inputs,
@@ -267,6 +315,7 @@ Problem machine_problem(const model::Machine& machine, std::vector<Input> inputs
   kept->inputs = inputs;
   kept->options = options;
   kept->options.X_BP = pose_now(machine, options.pose, options.X_BP);
+  kept->options.buckling = options.buckling && !why_no_column(machine, options.kind, "buckling");
   kept->nominal = nominal_of(machine, options);
   Problem problem{
       .inputs = std::move(inputs), .outputs = columns_of(*kept), .status = Layout::status};
@@ -281,7 +330,7 @@ Problem machine_problem(const model::Machine& machine, std::vector<Input> inputs
       return (*evaluation)(rows);
     };
   };
-  return problem;
+  return without_absent(std::move(problem), *kept);
 }
 
 model::Machine machine_of(const model::Machine& machine, const std::vector<Input>& inputs,

@@ -33,24 +33,6 @@ study::Input change_of(const Machine& machine, const Varied& varied) {
   return change;
 }
 
-/// Throws base::InputError for an output that other machines have.
-void require_output(const study::DesignProblem& problem, std::string_view name,
-                    const std::string& place) {
-  const auto why = study::why_no_output(problem.machine, name);
-  if (!why) return;
-  std::vector<std::string_view> names;
-  for (const auto& one : problem.outputs) names.push_back(one.name);
-  base::refuse(place, fmt::format("{} {}; outputs of this machine are {}", name, *why,
-                                  fmt::join(names, ", ")));
-}
-
-study::Requirement requirement_of(const study::DesignProblem& problem, const std::string& text) {
-  const auto place = "--want \"" + text + "\"";
-  require_output(problem, base::trimmed(std::string_view(text).substr(0, text.find_first_of("<>"))),
-                 place);
-  return study::read_requirement(text, problem.outputs, place);
-}
-
 study::Aim aim_of(const study::DesignProblem& problem, const WantedAim& wanted) {
   const std::string word = wanted.maximise ? "maximise" : "minimise";
   const std::string place = "--" + word + " " + wanted.name;
@@ -64,7 +46,7 @@ study::Aim aim_of(const study::DesignProblem& problem, const WantedAim& wanted) 
   }
   const auto output = std::ranges::find(problem.outputs, wanted.name, &study::Column::name);
   if (output == problem.outputs.end()) {
-    require_output(problem, wanted.name, place);
+    require_output(problem.machine, problem.kind, problem.outputs, wanted.name, place);
     std::vector<std::string_view> names;
     for (const auto& one : problem.outputs) names.push_back(one.name);
     for (const auto& one : problem.changes) names.push_back(one.name);
@@ -133,7 +115,10 @@ DesignJob prepare_design(const Machine& machine, const DesignOptions& options) {
     throw std::invalid_argument("prepare_design: expected changes, and one aim or two");
   problem.outputs = study::design_outputs(problem);
   for (const auto& text : options.want)
-    gather([&] { problem.requirements.push_back(requirement_of(problem, text)); });
+    gather([&] {
+      problem.requirements.push_back(
+          requirement_of(problem.machine, problem.kind, problem.outputs, text));
+    });
   for (const auto& aim : options.aims)
     gather([&] { problem.aims.push_back(aim_of(problem, aim)); });
   if (!errors.empty()) throw base::InputError(errors);

@@ -233,7 +233,7 @@ Given given_by(const Machine& machine, const ParametersFile& file,
 }
 
 std::vector<int> columns_asked(const ParametersFile& file, const model::Machine& machine,
-                               const std::vector<study::Column>& outputs,
+                               dynamics::ModelKind kind, const std::vector<study::Column>& outputs,
                                const std::vector<std::string>& names) {
   if (!names.empty() && names.size() != file.requests.size())
     base::refuse("--function", fmt::format("{} outputs for the {} functions of {}", names.size(),
@@ -245,7 +245,7 @@ std::vector<int> columns_asked(const ParametersFile& file, const model::Machine&
     if (at == outputs.end()) {
       std::vector<std::string_view> known;
       for (const auto& output : outputs) known.push_back(output.name);
-      const auto why = study::why_no_output(machine, name);
+      const auto why = study::why_no_output(machine, kind, name);
       if (why)
         refuse_at(file.path, file.requests[k],
                   fmt::format("{} {}; outputs of this machine are {}", name, *why,
@@ -305,7 +305,8 @@ Evaluation evaluate(const Machine& machine, const EvaluateOptions& options) {
     return result;
   };
   problem.outputs = study::design_outputs(problem);
-  const auto columns = columns_asked(file, problem.machine, problem.outputs, options.outputs);
+  const auto columns =
+      columns_asked(file, problem.machine, problem.kind, problem.outputs, options.outputs);
   const auto by = derivative_variables(file);
   study::DesignModel model(problem, machine.pose, columns);
   std::vector<double> outputs(problem.outputs.size());

@@ -4,6 +4,7 @@
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/file.hpp"
+#include "hydrapod/base/text.hpp"
 
 namespace hydrapod::tasks {
 
@@ -13,9 +14,12 @@ std::string without_ending(const std::string& path, std::string_view ending) {
   return path.ends_with(ending) ? path.substr(0, path.size() - ending.size()) : path;
 }
 
+/// In one line, which comments and headers of files are.
 exchange::FileHead export_head(const Machine& machine) {
-  return {.title = fmt::format("{}, pose {}, {} model, hydrapod export", machine.file.machine.name,
-                               machine.pose.name, dynamics::name(machine.kind))};
+  return {.title = base::printable(
+              fmt::format("{}, pose {}, {} model, hydrapod export", machine.file.machine.name,
+                          machine.pose.name, dynamics::name(machine.kind)),
+              std::string::npos)};
 }
 
 spatial::Vector3 interface_point(const Machine& machine, const ExportOptions& options) {

@@ -17,14 +17,28 @@ namespace hydrapod::tasks {
 
 namespace {
 
-/// `z=50 mm, ry=5 deg` as it was written: lengths and angles, with what a number without a unit
-/// would be in millimetres and degrees.
+/// `z=50 mm, ry=5 deg` as it was written: lengths and angles, with what a number without a unit, or
+/// in m and rad, would be in millimetres and degrees.
 struct Displacement {
   spatial::Vector6 d{};      ///< as it is read
-  spatial::Vector6 in_mm{};  ///< plain numbers in millimetres and degrees
+  spatial::Vector6 in_mm{};  ///< numbers of SI in millimetres and degrees
   std::string in_mm_text{};  ///< that, as one would write it
-  bool plain{};              ///< is there any?
+  bool of_si{};              ///< is there any?
 };
+
+/// The number of "5" and of "5 m"; empty where it is 0, or too small with its unit to be
+/// millimetres or degrees, or in another unit.
+std::string number_of_si(std::string_view text, std::string_view unit) {
+  if (text.ends_with(unit)) {
+    const std::string number(base::trimmed(text.substr(0, text.size() - unit.size())));
+    const auto read = base::read_plain_or_quantity(number, unit);
+    const bool plain = read.ok() && !base::read_quantity(number, unit).ok();
+    return plain && std::abs(read.value) >= 1.0 ? number : std::string{};
+  }
+  const bool plain = !base::read_quantity(text, unit).ok();
+  return plain && base::read_plain_or_quantity(text, unit).value != 0.0 ? std::string(text)
+                                                                        : std::string{};
+}
 
 Displacement displacement(const std::string& text, const std::string& argument) {
   base::KeyValues values(argument, text);
@@ -36,11 +50,13 @@ Displacement displacement(const std::string& text, const std::string& argument) 
     const auto written = values.text(key);
     result.d[i] = result.in_mm[i] = values.number(key, unit).value_or(0.0);
     if (!written) continue;
-    const bool plain = !base::read_quantity(*written, unit).ok() && result.d[i] != 0.0;
-    const char* meant = i < 3 ? " mm" : " deg";
-    if (plain) result.in_mm[i] = base::quantity(*written + meant, unit);
-    parts.push_back(fmt::format("{}={}{}", key, *written, plain ? meant : ""));
-    result.plain |= plain;
+    std::string meant = number_of_si(*written, unit);
+    if (!meant.empty()) {
+      meant += i < 3 ? " mm" : " deg";
+      result.in_mm[i] = base::quantity(meant, unit);
+      result.of_si = true;
+    }
+    parts.push_back(fmt::format("{}={}", key, meant.empty() ? *written : meant));
   }
   values.finish();
   result.in_mm_text = fmt::format("{}", fmt::join(parts, ", "));
@@ -68,10 +84,10 @@ spatial::Vector6 displacement_of(const model::Machine& machine, const spatial::P
                                  const std::string& text, const std::string& place) {
   const auto read = displacement(text, place);
   std::string guess;
-  if (read.plain && kinematics::check_pose(machine, moved(from, read.in_mm), "").empty())
+  if (read.of_si && kinematics::check_pose(machine, moved(from, read.in_mm), "").empty())
     guess = fmt::format("; did you mean \"{}\"?", read.in_mm_text);
   const auto in_degrees =
-      read.plain ? fmt::format("; did you mean \"{}\"?", read.in_mm_text) : std::string{};
+      read.of_si ? fmt::format("; did you mean \"{}\"?", read.in_mm_text) : std::string{};
   for (const double angle : read.d.tail<3>())
     if (std::abs(angle) > std::numbers::pi)
       base::refuse(place, fmt::format("turns the platform by more than half a turn, {:g} rad{}",

@@ -298,7 +298,7 @@ void test_steadiness(const IdentifyOptions& options, const Progress& progress, I
         found.modes, options.modes, {},
         [&](double) { return stopped = progress && progress(1.0); });
     identification::add_wandering(finding.wandering, found.modes);
-    found.needed_duration = finding.needed_duration;
+    found.modes.needed_duration = finding.needed_duration;
     if (finding.changed) {
       identification::add_changed_sensor(*finding.changed, found.modes);
       add_warnings(options.measure.files.front(), std::vector{*finding.changed}, found.warnings);
@@ -358,6 +358,10 @@ void or_warn(const std::string& file, const char* what, Diagnostics& warnings, c
 
 Measured frf(const MeasureOptions& options, const Progress& progress) {
   const auto& first = options.files.at(0);
+  const bool whole_record = options.estimate.whole_record.value_or(false);
+  if (whole_record && !options.estimate.for_modes)
+    base::refuse("--whole-record",
+                 "is for modes, with `hydrapod identify`; responses are averages of blocks");
   const auto kind = data::file_kind(first);
   if (kind == data::FileKind::json || kind == data::FileKind::frequency_responses) {
     if (options.files.size() > 1)
@@ -365,6 +369,8 @@ Measured frf(const MeasureOptions& options, const Progress& progress) {
                    "only records are averaged: give one file of frequency responses");
     if (options.output_only)
       base::refuse("--output-only", fmt::format("needs a record; {} holds responses", first));
+    if (whole_record)
+      base::refuse("--whole-record", fmt::format("needs a record; {} holds responses", first));
     auto measured = kind == data::FileKind::json
                         ? responses_from(parsed_json(first, {"\"frf\""}), first)
                         : responses_of_file(first);

@@ -117,6 +117,27 @@ std::vector<base::Diagnostic> of_other_poses(const Machine& machine,
   return errors;
 }
 
+void require_output(const model::Machine& machine, dynamics::ModelKind kind,
+                    const std::vector<study::Column>& outputs, std::string_view name,
+                    const std::string& place) {
+  const auto why = study::why_no_output(machine, kind, name);
+  if (!why) return;
+  std::vector<std::string_view> names;
+  for (const auto& one : outputs) names.push_back(one.name);
+  base::refuse(place, fmt::format("{} {}; outputs of this machine are {}", name, *why,
+                                  fmt::join(names, ", ")));
+}
+
+study::Requirement requirement_of(const model::Machine& machine, dynamics::ModelKind kind,
+                                  const std::vector<study::Column>& outputs,
+                                  const std::string& text) {
+  const auto place = "--want \"" + text + "\"";
+  const auto name = base::trimmed(std::string_view(text).substr(0, text.find_first_of("<>")));
+  const bool known = std::ranges::find(outputs, name, &study::Column::name) != outputs.end();
+  if (!known) require_output(machine, kind, outputs, name, place);
+  return study::read_requirement(text, outputs, place);
+}
+
 std::string duration_text(double seconds) {
   if (seconds < 120) return fmt::format("{:.0f} s", seconds);
   if (seconds < 7200) return fmt::format("{:.0f} min", seconds / 60);
@@ -251,9 +272,12 @@ StudyJob prepare_study(const Machine& machine, const StudyOptions& options) {
                                         .buckling = options.buckling,
                                         .poses = options.poses,
                                         .pose = machine.pose.name});
+  if (options.buckling)
+    require_output(machine.file.machine, machine.kind, job.problem.outputs, "buckling",
+                   "--buckling");
   for (const auto& text : options.want)
     job.requirements.push_back(
-        study::read_requirement(text, job.problem.outputs, "--want \"" + text + "\""));
+        requirement_of(machine.file.machine, machine.kind, job.problem.outputs, text));
   job.rows = rows_of(job.plan, job.problem.inputs.size());
   job.seconds_per_row = measured_seconds(job.problem, job.plan, job.rows);
   job.bytes = job.rows * (job.problem.inputs.size() + job.problem.outputs.size()) * sizeof(double);

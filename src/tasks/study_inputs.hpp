@@ -18,6 +18,16 @@ std::vector<base::Diagnostic> of_other_poses(const Machine& machine,
                                              const std::vector<study::Input>& inputs,
                                              const std::vector<model::NamedPose>& poses);
 
+/// Throws base::InputError for an output that other machines have and this one does not, with what
+/// it has.
+void require_output(const model::Machine& machine, dynamics::ModelKind kind,
+                    const std::vector<study::Column>& outputs, std::string_view name,
+                    const std::string& place);
+/// The same of a text "x >= 6 Hz", with that read.
+study::Requirement requirement_of(const model::Machine& machine, dynamics::ModelKind kind,
+                                  const std::vector<study::Column>& outputs,
+                                  const std::string& text);
+
 /// "3 min", "2.5 h".
 std::string duration_text(double seconds);
 

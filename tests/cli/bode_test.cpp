@@ -129,6 +129,17 @@ TEST(Bode, PointIsOfThePlatform) {
       << "rotations are the same everywhere on it";
 }
 
+/// As in a machine file, where the table of parameters says so.
+TEST(Bode, APointFarOffThePlatformIsProbablyInMillimetres) {
+  const auto run = run_hydrapod({"bode", published, "--points", "5", "--point", "0,-250,300"});
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_EQ(
+      run.err,
+      "--point 0,-250,300: warning: y is -250 m, usual are 0.0001 m to 50 m; did you mean -250 "
+      "mm?\n");
+  EXPECT_EQ(run_hydrapod({"bode", published, "--points", "5", "--point", "0,0,3"}).err, "");
+}
+
 TEST(Bode, CsvIsWellFormed) {
   const auto result = run_hydrapod({"bode", published, "--points", "7", "--format", "csv"});
   ASSERT_EQ(result.exit_code, 0);

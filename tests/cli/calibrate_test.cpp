@@ -47,6 +47,24 @@ TEST_F(Calibrate, WritesTheMachineWithItsCommentsAndSaysHowSureItIs) {
   EXPECT_THAT(run_hydrapod({"modes", output}).out, HasSubstr("\nmachine: calibrated\n"));
 }
 
+/// Wherever the search began: what has no effect is not replaced by a random number.
+TEST_F(Calibrate, LeavesWhatTheTargetsDoNotDetermine) {
+  const std::string output = (folder_ / "out.toml").string();
+  const auto run =
+      run_hydrapod({"calibrate", machine_, "--targets", measured_, "--free",
+                    "legs.oil_spring.stiffness", "--free", "legs.rod.axial_inertia", "-o", output});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, testing::ContainsRegex(
+                           "legs.rod.axial_inertia +0.0084 +0.0084 +kg m\\^2 +not determined"));
+  EXPECT_THAT(run.out, HasSubstr("legs.rod.axial_inertia: not determined by the data, left at its "
+                                 "start, 0.0084 kg m^2"));
+  const auto text = test::read_text(output);
+  EXPECT_THAT(text, HasSubstr("\naxial_inertia = 0.0084  "));
+  EXPECT_THAT(text, HasSubstr("I_ra, kg m^2 [identified]; calibrated: axial_inertia not determined "
+                              "by the data, left as it was\n"));
+  EXPECT_THAT(text, HasSubstr("calibrated: stiffness 3.4"));
+}
+
 /// A frequency in revolutions per minute is met by no mode.
 TEST_F(Calibrate, TargetsThatNothingMeetsGiveNoMachine) {
   const std::string output = (folder_ / "none.toml").string();

@@ -131,6 +131,8 @@ TEST(DesignCommand, RefusesOutputsThatOtherMachinesHave) {
       {screws, "power", "power is that of the pump, and electric cylinders have none"},
       {screws, "jerk_x", "jerk_x is not limited"},
       {struts, "power", "power is that of the pump, and plain struts have none"},
+      {struts, "drop_x", "drop_x compares flexible legs with rigid ones"},
+      {struts, "stroke", "stroke is what pistons have left, and plain struts have none"},
       {struts, "sag", "sag is an offset at guide sleeves, and plain struts have none"},
       {struts, "velocity_z", "velocity_z is a limit of drives, and plain struts have none"}};
   for (const auto& [file, output, message] : wrong)

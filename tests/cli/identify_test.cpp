@@ -1,5 +1,6 @@
 /// `hydrapod frf` and `hydrapod identify` on a record of a chain of masses.
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -63,6 +64,39 @@ TEST_F(Identify, NoIntervalIsZero) {
     EXPECT_GT(mode["frequency_95_hz"].get<double>(), 0.0);
     EXPECT_GT(mode["damping_95"].get<double>(), 0.0);
   }
+}
+
+/// Where it has no meaning it is an error that says where it has one.
+TEST_F(Identify, TheWholeRecordIsRefusedWhereAveragesAreTaken) {
+  const auto refused = [](std::vector<std::string> arguments) {
+    arguments.push_back("--whole-record");
+    const auto run = test::run_hydrapod(arguments);
+    EXPECT_NE(run.exit_code, 0) << testing::PrintToString(arguments);
+    EXPECT_EQ(run.out, "");
+    return run.err;
+  };
+  const std::string run = write();
+  const char* where = "from the whole record at once where it is too short for averages of blocks";
+  for (const auto& arguments :
+       {std::vector<std::string>{"identify", run}, {"identify", run, "--output-only"}})
+    EXPECT_THAT(refused(arguments),
+                testing::AllOf(HasSubstr(where), HasSubstr("leave --whole-record out")));
+  EXPECT_THAT(refused({"frf", run}), HasSubstr("--whole-record: error: is for modes"));
+  const std::string responses = folder / "frf.json";
+  ASSERT_EQ(test::run_hydrapod({"frf", run, "-o", responses}).exit_code, 0);
+  EXPECT_THAT(refused({"identify", responses}), HasSubstr("needs a record; "));
+  // a decaying answer to one hit
+  std::string hit = "time [s],force [N],a [m/s^2]\n";
+  for (int k = 0; k < 2048; ++k) {
+    const double t = k / 512.0, since = t - 0.1;
+    const bool on = since >= 0.0 && since < 0.011;
+    hit +=
+        fmt::format("{},{},{}\n", t, on ? 90.0 * std::sin(std::numbers::pi * since / 0.011) : 0.0,
+                    since < 0.0 ? 0.0 : std::exp(-1.5 * since) * std::sin(107.0 * since));
+  }
+  test::write_text(folder / "hit.csv", hit);
+  EXPECT_THAT(refused({"identify", (folder / "hit.csv").string()}),
+              testing::AllOf(HasSubstr(where), HasSubstr("this one is of hits")));
 }
 
 TEST_F(Identify, ARecordGivesItsModes) {

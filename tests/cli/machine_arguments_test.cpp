@@ -108,6 +108,13 @@ TEST_P(MachineCommand, RefusesAPoseOutOfReach) {
               AllOf(testing::StartsWith("--pose z=0.9: error: the piston of leg 1 is "),
                     HasSubstr(" m beyond its stroke from 0.36 m to 1.22 m; also all other "
                               "legs; did you mean \"z=0.9 mm\"?\n")));
+  // with its unit too, where nobody writes so few millimetres and degrees
+  EXPECT_THAT(run({"--pose", "z=5 m"}).err, testing::EndsWith("; did you mean \"z=5 mm\"?\n"));
+  EXPECT_THAT(run({"--pose", "z=0.9 m"}).err, Not(HasSubstr("did you mean")));
+  EXPECT_EQ(
+      run({"--pose", "x=1 mm, rx=5 rad"}).err,
+      "--pose x=1 mm, rx=5 rad: error: turns the platform by more than half a turn, 5 rad; did "
+      "you mean \"x=1 mm, rx=5 deg\"?\n");
 }
 
 TEST_P(MachineCommand, NamesAFileThatIsNotThere) {

@@ -60,6 +60,53 @@ TEST_F(OtherLegs, ModesOfStrutsSayWhichModelTheyAreOf) {
   EXPECT_EQ(run({"modes", "struts.toml", "--poses", "all"}).exit_code, 0);
 }
 
+/// Struts have no seals, no pistons and no rigid counterpart.
+TEST_F(OtherLegs, StudiesOfStrutsHaveNoOutputsOfCylinders) {
+  const std::vector<std::string> sweep{"sweep", "struts.toml", "--over",
+                                       "platform.mass=1300:1400:3 kg"};
+  const auto with = [&](const std::vector<std::string>& more) {
+    auto arguments = sweep;
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run(arguments);
+  };
+  const auto result = with({});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("lowest"));
+  EXPECT_THAT(result.out, HasSubstr("\nLeft out: drop compares flexible legs with rigid ones, and "
+                                    "plain struts have no guide sleeves.\n"));
+  for (const char* absent : {"\ndrop", "\nstroke", "\nbuckling"})
+    EXPECT_THAT(result.out, Not(HasSubstr(absent)));
+  const auto json = nlohmann::json::parse(with({"--format", "json"}).out);
+  for (const auto& output : json["outputs"])
+    EXPECT_THAT(output["name"].get<std::string>(),
+                Not(testing::AnyOf(testing::StartsWith("drop"), "stroke", "buckling")));
+  for (const auto& [output, why] :
+       {std::pair{"drop", "plain struts have no guide sleeves"},
+        std::pair{"drop_rx", "plain struts have no guide sleeves"},
+        std::pair{"stroke", "is what pistons have left, and plain struts have none"}}) {
+    const auto refused = with({"--want", std::string(output) + " <= 1"});
+    EXPECT_EQ(refused.exit_code, 2);
+    EXPECT_THAT(refused.err,
+                AllOf(HasSubstr(why), HasSubstr("outputs of this machine are status")));
+  }
+  EXPECT_THAT(with({"--buckling"}).err,
+              HasSubstr("--buckling: error: buckling is of flexible legs"));
+  const auto rigid = run({"sweep", "screws.toml", "--model", "rigid", "--over",
+                          "platform.mass=1300:1400:3 kg", "--want", "drop <= 2 %"});
+  EXPECT_EQ(rigid.exit_code, 2);
+  EXPECT_THAT(rigid.err, HasSubstr("expected --model guide or full"));
+}
+
+TEST_F(OtherLegs, ModesOfStrutsAtAmplitudesHaveNoSleevesAndPistons) {
+  const auto result = run({"modes", "struts.toml", "--amplitude", "1 mm"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("strut mm"));
+  for (const char* absent : {"leeve", "iston", "rods on guide", "elastomer", "`friction"})
+    EXPECT_THAT(result.out, Not(HasSubstr(absent)));
+  const auto rigid = run({"modes", "screws.toml", "--amplitude", "1 mm", "--model", "rigid"});
+  EXPECT_THAT(rigid.out, AllOf(HasSubstr("piston mm"), Not(HasSubstr("sleeve mm"))));
+}
+
 TEST_F(OtherLegs, OtherCommandsOfMechanicsWorkWithStruts) {
   for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
            {"bode", "struts.toml"},

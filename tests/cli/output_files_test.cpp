@@ -104,16 +104,80 @@ TEST_F(OutputFiles, RecordsAndMachinesAreReplacedByForceAlone) {
   EXPECT_THAT(forced.err, HasSubstr("wrote run.h5"));
 }
 
+/// Every kind of result that is written, by every command, is known again.
 TEST_F(OutputFiles, AResultIsReplacedAndAnnounced) {
-  for (const auto& [command, file] : {std::pair{"modes", "modes.json"},
-                                      {"modes", "modes.csv"},
-                                      {"bode", "bode.csv"},
-                                      {"bode", "bode.json"}})
+  test::write_text(folder / "heavier.toml", test::read_text(folder / "m.toml"));
+  const std::vector<std::vector<std::string>> commands{
+      {"modes", "m.toml", "-o", "a.json"},
+      {"modes", "m.toml", "-o", "a.csv"},
+      {"modes", "m.toml", "-o", "a.txt"},
+      {"modes", "m.toml", "-o", "without-ending"},
+      {"modes", "m.toml", "--system", "-o", "b.csv"},
+      {"modes", "m.toml", "--system", "-o", "b.txt"},
+      {"modes", "m.toml", "--root-locus", "controller.gain=5:50:3", "-o", "c.csv"},
+      {"modes", "m.toml", "--poses", "all", "-o", "d.csv"},
+      {"modes", "m.toml", "--poses", "all", "-o", "d.txt"},
+      {"modes", "m.toml", "--amplitude", "1 mm", "-o", "e.csv"},
+      {"modes", "m.toml", "--amplitude", "1 mm", "-o", "e.txt"},
+      {"bode", "m.toml", "--points", "20", "-o", "f.csv"},
+      {"bode", "m.toml", "--points", "20", "-o", "f.txt"},
+      {"bode", "m.toml", "--points", "20", "-o", "f.json"},
+      {"bode", "m.toml", "--points", "20", "--input", "command", "-o", "g.csv"},
+      {"check", "m.toml", "-o", "h.txt"},
+      {"sensitivity", "m.toml", "-o", "i.csv"},
+      {"sensitivity", "m.toml", "-o", "i.txt"},
+      {"compare", "m.toml", "heavier.toml", "-o", "j.csv"},
+      {"compare", "m.toml", "heavier.toml", "-o", "j.txt"},
+      {"sweep", "m.toml", "--over", "platform.mass=1:2:3 t", "--csv", "l.csv", "-o", "k.txt"},
+      {"frf", "run.csv", "-o", "m.csv"},
+      {"frf", "run.csv", "-o", "m.txt"},
+      {"frf", "run.csv", "-o", "m.json"},
+      {"identify", "run.csv", "-o", "n.csv"},
+      {"identify", "run.csv", "-o", "n.txt"},
+      {"identify", "run.csv", "-o", "n.uff"},
+      {"record", "show", "run.csv", "-o", "o.txt"},
+      {"record", "show", "run.csv", "-o", "o.json"},
+      {"report", "m.toml", "-o", "p.html"},
+      {"export", "m.toml", "--to", "json", "-o", "q.json"},
+      {"export", "m.toml", "--to", "dmig", "-o", "q.pch"},
+      {"export", "m.toml", "--to", "mtx", "-o", "q.mtx"},
+      {"export", "m.toml", "--to", "sdf", "--approximate", "-o", "q.sdf"},
+      {"export", "m.toml", "--to", "urdf", "--approximate", "-o", "q.urdf"},
+      {"export", "m.toml", "--to", "mjcf", "--approximate", "-o", "q.xml"}};
+  for (const auto& command : commands)
     for (int time = 0; time < 2; ++time) {
-      const auto result = run({command, "m.toml", "-o", file});
-      EXPECT_EQ(result.exit_code, 0) << result.err;
-      EXPECT_THAT(result.err, HasSubstr(std::string("wrote ") + file));
+      const auto result = run(command);
+      EXPECT_EQ(result.exit_code, 0) << testing::PrintToString(command) << result.err;
+      const std::string stem = command.back().substr(0, command.back().find('.'));
+      EXPECT_THAT(result.err + result.out, HasSubstr("wrote " + stem));
     }
+}
+
+/// What somebody wrote is not what a program wrote, though it speaks of it and has its endings.
+TEST_F(OutputFiles, ATextOfSomebodyElseIsReplacedByForceAlone) {
+  const std::string message = "a text that hydrapod did not write exists there";
+  const std::string notes = "Modes\n\nwritten by hydrapod on Monday:\n4.1 Hz in x\n";
+  for (const std::string file : {"notes.txt", "notes.md", "notes", "notes.xml"}) {
+    test::write_text(folder / file, notes);
+    expect_refused({"modes", "m.toml", "-o", file}, file, message);
+    expect_refused({"export", "m.toml", "--to", "mjcf", "--approximate", "-o", file}, file,
+                   message);
+  }
+  test::write_text(folder / "package.json", R"({"name": "hydrapod", "version": "1"})");
+  expect_refused({"modes", "m.toml", "-o", "package.json"}, "package.json", message);
+  test::write_text(folder / "parts.csv", "part,price\nhydrapod valve,three hundred\n");
+  expect_refused({"modes", "m.toml", "-o", "parts.csv"}, "parts.csv", message);
+  expect_refused({"sweep", "m.toml", "--over", "platform.mass=1:2:3 t", "--csv", "parts.csv"},
+                 "parts.csv", message);
+  test::write_text(folder / "page.html", "<html>mine</html>");
+  expect_refused({"report", "m.toml", "-o", "page.html"}, "page.html", message);
+  test::write_text(folder / "q.M.mtx", "mine");  // beside the name that was given
+  expect_refused({"export", "m.toml", "--to", "mtx", "-o", "q.mtx"}, "q.M.mtx", message);
+  const auto forced = run({"modes", "m.toml", "-o", "notes.txt", "--force"});
+  EXPECT_EQ(forced.exit_code, 0) << forced.err;
+  EXPECT_EQ(run({"export", "m.toml", "--to", "mtx", "-o", "q.mtx", "--force"}).exit_code, 0);
+  test::write_text(folder / "empty.txt", "");
+  EXPECT_EQ(run({"modes", "m.toml", "-o", "empty.txt"}).exit_code, 0);
 }
 
 TEST_F(OutputFiles, APlaceThatCannotBeWrittenIsSaidAtOnce) {
@@ -162,7 +226,10 @@ TEST_F(OutputFiles, TheEndingSaysTheFormat) {
     for (auto* json : {&by_ending, &by_option}) json->erase("reproduction");  // another command
     EXPECT_EQ(by_ending, by_option);
     ASSERT_EQ(run({command, "m.toml", "-o", "a.txt"}).exit_code, 0);
-    EXPECT_EQ(test::read_text(folder / "a.txt"), run({command, "m.toml"}).out);
+    EXPECT_THAT(test::read_text(folder / "a.txt"),
+                testing::MatchesRegex("(.|\n)*\n\nwritten by hydrapod [0-9.]+(, commit .*)?\n"));
+    EXPECT_THAT(test::read_text(folder / "a.txt"),
+                testing::StartsWith(run({command, "m.toml"}).out));
   }
   ASSERT_EQ(run({"modes", "m.toml", "-o", "a.CSV"}).exit_code, 0);
   EXPECT_EQ(test::read_text(folder / "a.CSV"), run({"modes", "m.toml", "--format", "csv"}).out);

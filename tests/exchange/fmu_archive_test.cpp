@@ -62,6 +62,28 @@ TEST(FmuArchive, KeepsTheRulesOfTheStandards) {
   EXPECT_EQ(0, run.exit_code) << run.out << run.err;
 }
 
+/// Names of the machine file are free, those of variables are not.
+TEST(FmuArchive, CountsModesOfThePayloadWhoseNamesAreNoIdentifiers) {
+  Random random(29);
+  auto machine = machine_of("heavy-platform");
+  put_modes_on(machine, 3, random);
+  machine.payload_modes[0].name = "mode_2";
+  machine.payload_modes[1].name = "mast \xC3\xB6";
+  machine.payload_modes[2].name = "a.b";
+  TemporaryFolder folder;
+  const auto file = (folder / "named.fmu").string();
+  const auto archive = archive_of(machine, FmuVersion::fmi2, true);
+  base::write_file_whole(file, archive);
+  const auto run =
+      run_program("/usr/bin/python3", {source_file("tests/exchange/fmu_rules.py").string(), file});
+  EXPECT_EQ(0, run.exit_code) << run.out << run.err;
+  const Unpacked fmu(archive);
+  for (const char* name :
+       {"payload.mode_2", "payload.mode_2_", "payload.mode_3_rate", "payload_modes.mode_2.mass",
+        "payload_modes.mode_2_.position[1]", "payload_modes.mode_3.frequency"})
+    EXPECT_EQ(1U, fmu.references.count(name)) << name;
+}
+
 TEST(FmuArchive, TheSharedObjectNeedsTheCLibraryAloneAndShowsTheInterfaceAlone) {
   const auto object = exchange::fmu_object_file();
   std::istringstream dynamic(run_program("readelf", {"-dW", object}).out);

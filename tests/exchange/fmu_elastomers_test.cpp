@@ -21,6 +21,12 @@ TEST_P(SofteningFmu, HasTheStatesOfThePlant) {
   EXPECT_EQ(1U, subject.fmu.references.count("leg6.sleeve_mean_a2"));
   EXPECT_EQ(0U, subject.fmu.references.count("leg1.sleeve_amplitude_square"));
   EXPECT_EQ(subject.states.size(), static_cast<std::size_t>(subject.plant.layout().size));
+  const auto is_told = [&](const char* text) {
+    return subject.fmu.description.find(text) != std::string::npos;
+  };
+  EXPECT_TRUE(is_told("description=\"way of a damper in an elastomer seal\""));
+  EXPECT_TRUE(is_told("description=\"mean position of an elastomer seal\""));
+  EXPECT_FALSE(is_told("description=\"bend of the seal"));  // there are no bristles
 }
 
 TEST_P(SofteningFmu, FollowsThePlant) {

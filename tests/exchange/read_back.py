@@ -292,6 +292,9 @@ def refusals(model):
             (["--to", "npz", "--reduce", "4", "--system", "loop", "--sampled", "-o", "x.npz"], ["leave --sampled out"]),
             (["--to", "mjcf", "--reduce", "4", "-o", "x.xml"], ["--reduce", "state spaces"]),
             (["--to", "fmu2", "--inputs", "x", "-o", "x.fmu"], ["--inputs"]),
+            (["--to", "mjcf", "--point", "0,0,1", "-o", "x.xml"], ["--point 0,0,1", "with --to mjcf", "superelements"]),
+            (["--to", "npz", "--system", "plant", "--point", "0,0,1", "-o", "x.npz"], ["with --system plant"]),
+            (["--to", "npz", "--pade", "3", "-o", "x.npz"], ["--pade 3", "--system loop"]),
             (["--to", "npz", "--sample-time=-1", "-o", "x.npz"], ["--sample-time"])):
         err = run("export", model, *arguments, code=2).stderr
         for word in words:
@@ -340,7 +343,8 @@ def random_machines(count):
     while made < count:
         path = os.path.join(folder.name, "random.toml")
         with open(path, "w") as file:
-            file.write(random_machine(generator, gravity=made % 2 == 1))
+            text = random_machine(generator, gravity=made % 2 == 1)
+            file.write(text.replace('"random"', r'"two\nlines"'))  # in one line of comments and headers
         if subprocess.run([program, "modes", path], capture_output=True).returncode != 0:
             continue  # it does not stand under its weight
         made += 1

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "hydrapod/base/error.hpp"
+#include "sound_machine.hpp"
 
 namespace hydrapod::model {
 namespace {
@@ -90,6 +91,17 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(FileEdit, RefusesAWholeTable) {
   EXPECT_THROW(edited_file("[a]\nb = 1\n", {{"a", "2", ""}}, "fit"), base::ComputationError);
+}
+
+/// The file says these numbers in another way: they are written out first.
+TEST(FileEdit, SpellsAnArrayOutForOneOfItsElements) {
+  const auto changed = parse_machine(
+      edited_file(sound_machine_file, {{"leg.2.base_joint[1]", "\"310 mm\"", "moved"}}, "fit"),
+      "m");
+  const auto before = parse_machine(sound_machine_file, "m");
+  EXPECT_EQ(changed.machine.legs[1].base_joint.y(), 0.31);
+  EXPECT_EQ(changed.machine.legs[1].base_joint.x(), before.machine.legs[1].base_joint.x());
+  EXPECT_EQ(changed.machine.legs[2].base_joint, before.machine.legs[2].base_joint);
 }
 
 /// A stiffness instead of a cylinder, a table over a table, strings that need quotes.

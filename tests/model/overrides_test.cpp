@@ -1,5 +1,6 @@
 /// `--set PATH=VALUE`: what the file would say if it said something else.
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -91,6 +92,41 @@ TEST(Overrides, ReachElementsOfArrays) {
   EXPECT_EQ(with({"platform.mass_center[2]=-10 cm"}).platform.mass_center, Vector3(0, 0, -0.1));
   EXPECT_EQ(with({"poses.tilted.rotation[1]=0.25"}).poses[1].X_BP.R_BP,
             spatial::rotation_from_rpy({10 * std::acos(-1.0) / 180, 0.25, 0}));
+}
+
+/// The file gives a circle of joints, an axis for all legs, a magnitude, a pose without rotation.
+TEST(Overrides, ReachElementsThatTheFileSaysInAnotherWay) {
+  const Machine as_it_is = with({});
+  const Machine moved = with({"leg.1.base_joint[0]=1.07 m", "leg.1.base_joint[2]=2 mm"});
+  EXPECT_EQ(moved.legs[0].base_joint, Vector3(1.07, as_it_is.legs[0].base_joint.y(), 0.002));
+  EXPECT_EQ(moved.legs[1].base_joint, as_it_is.legs[1].base_joint);
+  const Machine turned = with({"leg.2.gimbal_axis[0]=1"});
+  EXPECT_TRUE(turned.legs[1].gimbal_axis.isApprox(Vector3(1, 1, 0).normalized()));
+  EXPECT_EQ(turned.legs[2].gimbal_axis, Vector3(0, 1, 0));
+  EXPECT_EQ(with({"environment.gravity[0]=0.3"}).gravity, Vector3(0.3, 0, -9.81));
+  EXPECT_EQ(with({"poses.neutral.rotation[2]=0.25"}).poses[0].X_BP.R_BP,
+            spatial::rotation_from_rpy({0, 0, 0.25}));
+  const Machine of_rows =
+      with({"platform.inertia=[[500,1,2],[1,550,3],[2,3,800]]", "platform.inertia.xy=7"});
+  EXPECT_EQ(of_rows.platform.inertia(0, 1), 7.0);
+  EXPECT_EQ(of_rows.platform.inertia(1, 2), 3.0);
+  EXPECT_EQ(complaint_about(sound_machine_file, {"leg.2.gimbal_axis[3]=1"}),
+            "--set leg.2.gimbal_axis[3]=1: error: leg.2.gimbal_axis[3]: `leg.2.gimbal_axis` is an "
+            "array of 3, counted from 0");
+}
+
+/// Whatever a study may vary can be given by an override too.
+TEST(Overrides, TakeEveryNumberThatTheFileHas) {
+  const auto file = parse_machine(sound_machine_file, "m.toml");
+  for (const auto& id : parameters(file.machine)) {
+    const auto number = number_of(file, id);
+    if (!number || !find_number(file, number->path)) continue;
+    if (!within_bound({id, number->value})) continue;  // 0 for a part that is left out
+    EXPECT_EQ(
+        complaint_about(sound_machine_file, {fmt::format("{}={}", number->path, number->value)}),
+        "")
+        << number->path;
+  }
 }
 
 TEST(Overrides, MakeTablesThatTheFileHasNot) {

@@ -465,9 +465,10 @@ const std::vector<WrongInput> wrong_overrides{
      "an array of 3, counted from 0"},
     {"OverrideOfAnElementOfANumber",
      {},
-     {"environment.gravity[2]=1"},
-     "--set environment.gravity[2]=1: error: environment.gravity[2]: `environment.gravity` is the "
-     "number 9.81, not an array"},
+     {"platform.mass[0]=1"},
+     "--set platform.mass[0]=1: error: platform.mass[0]: `platform.mass` is the number 1500, not "
+     "an "
+     "array"},
     {"OverrideBelowANumber",
      {},
      {"platform.mass.x=1"},
@@ -475,10 +476,10 @@ const std::vector<WrongInput> wrong_overrides{
      "no keys"},
     {"OverrideOfAnElementOfAnAbsentArray",
      {},
-     {"environment.gravity=[0, 0, -9]", "leg.2.gimbal_axis[0]=1"},
-     "--set leg.2.gimbal_axis[0]=1: error: leg.2.gimbal_axis[0]: `leg.2.gimbal_axis` is not in the "
-     "file, which may give these numbers under another path; give the whole array, "
-     "\"leg.2.gimbal_axis=[…]\""},
+     {"base.mount.inertia[0]=1"},
+     "--set base.mount.inertia[0]=1: error: base.mount.inertia[0]: `base.mount.inertia` is not in "
+     "the file, which may give these numbers under another path; give the whole array, "
+     "\"base.mount.inertia=[…]\""},
     {"OverrideWithABrokenArray",
      {},
      {"platform.mass_center=[0, 0, 0.1 m]"},

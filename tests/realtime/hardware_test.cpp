@@ -162,6 +162,14 @@ TEST_F(Hardware, OfElectricCylindersIsMeasuredByItsMotors) {
   }
 }
 
+TEST_F(Hardware, OfTheOtherKindOfActuatorIsRefused) {
+  auto open_server = server();
+  open_server.once = false;
+  const Served served(open_server, fixed_steps(), {}, test::machine_of(test::screw_file));
+  hardware.connect = 0.3;
+  EXPECT_THAT(refused(served), HasSubstr("cylinders where the file has screws"));
+}
+
 TEST_F(Hardware, IsRampedDownAtALimit) {
   hardware.limits.velocity = 0.002;
   Served served(server());
@@ -196,8 +204,25 @@ TEST_F(Hardware, ThatFallsSilentEndsTheRun) {
   });
   EXPECT_EQ(result.rig.summary.end, RunEnd::failed);
   EXPECT_THAT(result.rig.summary.message, HasSubstr("no sensors for"));
+  EXPECT_THAT(result.rig.summary.message, testing::EndsWith(" ms"));
   EXPECT_GT(result.rig.samples, 250);
   EXPECT_EQ(record().samples.rows(), result.rig.samples);
+}
+
+TEST_F(Hardware, ThatFollowsAnotherClientIsToldSo) {
+  hardware.watchdog = 1.2;
+  auto open_server = server();
+  open_server.once = false;
+  Served served(open_server);
+  auto other = TestClient::of(served);
+  Command stay;
+  stay.mode = static_cast<std::uint64_t>(Mode::pose);
+  stay.sequence = 1;
+  other.send(stay);
+  const auto result = run(served);
+  EXPECT_EQ(result.rig.summary.end, RunEnd::failed);
+  EXPECT_THAT(result.rig.summary.message,
+              testing::ContainsRegex("no sensors for [0-9]+ ms; a machine that follows another"));
 }
 
 TEST_F(Hardware, MustBeAtThePose) {

@@ -92,6 +92,8 @@ TEST(Layout, OfElectricCylindersHasMotorsInPlaceOfOil) {
   EXPECT_EQ(value_at(bytes, 192), -3.5);
   EXPECT_EQ(value_at(bytes, 288), 0.125);
   EXPECT_EQ(value_at(bytes, 336 + 8 * 3), 0.43);
+  Sensors as_oil;  // equally long, but torques are no pressures
+  EXPECT_FALSE(decode(native_layout(9), {bytes.data(), 612}, as_oil));
   const std::string text = layout_text(layout);
   EXPECT_EQ(layout_text(parse_layout(text, "own.toml")), text);
   EXPECT_THAT(text, HasSubstr("{ name = \"motor_speed\", type = \"f64\" },"));

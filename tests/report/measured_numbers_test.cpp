@@ -181,6 +181,7 @@ identification::Identification identified() {
   found.model.omega_scale = 52.1;
   found.model.residuals = {Eigen::MatrixXd{{1.1, 1.2, 1.3}, {1.4, 1.5, 1.6}}};
   found.errors_assumed = true;
+  found.needed_duration = 731.5;
   identification::IdentifiedMode mode{.fit = fitted(2.5, 1.0)};
   mode.displacement = two(7.1);
   mode.repeated = 2;
@@ -264,6 +265,7 @@ TEST(NumbersInJson, OfAnIdentification) {
        {"fit_error", 0.057},
        {"misfit", 1.093},
        {"errors_assumed", true},
+       {"needed_duration_s", 731.5},
        {"unexplained", Json::array({{{"output", 2},
                                      {"input", 3},
                                      {"band_hz", {1.1, 1.2}},

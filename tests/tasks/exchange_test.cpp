@@ -197,6 +197,7 @@ void Exchange::round_trip_of_identified_modes() {
                       {.kind = ModeWarning::Kind::no_mode, .from = 1.7, .to = 23.0}};
   written.responses.warnings = {
       {.kind = data::ResponseWarning::Kind::single_block, .share = 0.17, .count = 2, .total = 7}};
+  written.needed_duration = 412.75;
   const auto expected = report::identification_json(written);
   ASSERT_EQ(expected["findings"].size(), 3U);
   EXPECT_EQ(expected["findings"][0]["kind"], "single_block");
@@ -217,6 +218,7 @@ void Exchange::round_trip_of_identified_modes() {
   EXPECT_EQ(read.heavily_damped.size(), found.modes.heavily_damped.size());
   ASSERT_EQ(read.responses.warnings.size(), 1U);
   EXPECT_EQ(read.warnings.size(), 2U);
+  EXPECT_EQ(read.needed_duration, 412.75);
   const auto again = report::identification_json(read);
   for (const char* key : {"rejected", "warnings", "findings"})
     expect_same_json(again[key], expected[key], key);

@@ -103,6 +103,23 @@ TEST_P(NextMeasurement, IsPredictedAsTheTasksComputeTheHypothesis) {
   EXPECT_FALSE(d.discriminators.empty());
 }
 
+/// Seals as stiff as at the frequency of each resonance, not as for quick motions.
+TEST(NextMeasurementOfElastomers, IsThatOfTheModes) {
+  const auto of = tasks::read_machine(
+      {.file = machine,
+       .overrides = {
+           R"(legs.guide_sleeve.elastomer={dynamic_ratio=1.6, loss_factor=0.17, frequency="8.3 Hz"})"}});
+  const auto resonances = observation::visible_resonances(of.file.machine, of.pose.X_BP, of.kind);
+  ASSERT_GE(resonances.size(), 6U);
+  const auto listed = frequencies(of, Observed::mechanics);
+  for (const auto& one : resonances) {
+    double nearest = 1.0;
+    for (const double omega : listed)
+      nearest = std::min(nearest, std::abs(omega / one.omega - 1.0));
+    EXPECT_LT(nearest, 1e-3) << spatial::direction_name(one.direction);
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Of, NextMeasurement, testing::Values(Observed::mechanics, Observed::plant),
                          [](const auto& info) { return observation::name(info.param); });
 

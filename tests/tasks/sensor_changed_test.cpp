@@ -149,7 +149,7 @@ TEST_F(SensorChanged, WithinAShortRecordOfTwoForcesItIsNamed) {
     record.samples.col(3).tail(record.samples.rows() / 2) *= -1.0;
     const auto found = identified({written("run.h5", record)});
     EXPECT_LT(found.modes.responses.averages, 20.0);
-    EXPECT_FALSE(found.needed_duration.has_value());
+    EXPECT_FALSE(found.modes.needed_duration.has_value());
     const auto changed = changed_in(found);
     ASSERT_EQ(changed.size(), 1U) << seed;
     EXPECT_EQ(changed[0].channel, "d2");
@@ -164,9 +164,9 @@ TEST_F(SensorChanged, ARecordTooShortForItSaysSo) {
   options.measure.estimate.block_length = 8192;
   const auto found = identify(options);
   EXPECT_TRUE(changed_in(found).empty());
-  ASSERT_TRUE(found.needed_duration.has_value());
-  EXPECT_GT(*found.needed_duration, 40000.0 / 60.0);
-  EXPECT_LT(*found.needed_duration, 4000.0);
+  ASSERT_TRUE(found.modes.needed_duration.has_value());
+  EXPECT_GT(*found.modes.needed_duration, 40000.0 / 60.0);
+  EXPECT_LT(*found.modes.needed_duration, 4000.0);
 }
 
 /// Of the half in which it changed it is the mean that is compared, so that the size of the factor

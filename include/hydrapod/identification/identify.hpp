@@ -289,6 +289,9 @@ struct IdentifyOptions {
   /// A block shorter than this over the half-power bandwidth ζ ω/π of a mode is a warning: modes
   /// that are nearer to each other than its two lines come out as one that is too wide.
   double fewest_lines_wide{2.0};
+  /// Responses without a stated window are taken for averages with one where its difference of BIC
+  /// is above this, "very strong" by Kass and Raftery, J. Am. Stat. Assoc. 90 (1995) 773.
+  double window_evidence{10.0};
   AssumedErrorOptions assumed_errors{};
   ResidualTestOptions residual_test{};
   RecordOptions record{};
@@ -363,13 +366,14 @@ struct ModeWarning {
     short_blocks,  ///< `count` of `total` modes; value: [s] of a block; the sharpest one: `from`
                    ///< its frequency, `to` its half-power bandwidth [Hz]
     peaks_above,   ///< `count` peaks, the largest at value [Hz], above the band `from` … `to`
-    conjugated     ///< modes leave `share` of the responses (RMS), and `value` of their conjugates
+    conjugated,    ///< modes leave `share` of the responses (RMS), and `value` of their conjugates
+    window         ///< the responses are averages with this window, in blocks of value [s]
   };
   Kind kind{};
   double value{};
   double from{}, to{};
   double smooth{}, share{};       ///< of Unexplained
-  std::string output{}, input{};  ///< names
+  std::string output{}, input{}, window{};  ///< names
   std::int64_t count{}, total{};
 };
 
@@ -384,9 +388,9 @@ struct Identification {
   double from{}, to{};  ///< [Hz]
   /// Where the residual is more than noise, worst first: intervals of modes there are too narrow.
   std::vector<Unexplained> unexplained{};
-  /// The responses came without errors; misfit, intervals and `unexplained` use what is rough
-  /// along frequency.
+  /// No errors came with the responses: those that are used are what is rough along frequency.
   bool errors_assumed{};
+  std::optional<double> needed_duration{};  ///< [s]; there where sensors could not be tested
   std::vector<ModeWarning> warnings{};
 };
 

@@ -89,8 +89,9 @@ Observation observe(const model::Machine& machine, const spatial::Pose& X_BP,
 std::vector<ObservedMode> undamped_modes(const dynamics::LinearModel& model,
                                          const dynamics::NormalModes& modes);
 
-/// The undamped mode of mechanics whose shape is most like it.
-int nearest_mode(const Observation& seen, const ObservedMode& mode);
+/// The one of `modes`, of these mechanics, whose shape is most like it.
+int nearest_mode(const dynamics::LinearModel& mechanics, const dynamics::NormalModes& modes,
+                 const ObservedMode& mode);
 
 /// "mechanics with oil springs", "mechanics, hydraulics and valves", "… and controller".
 std::string_view description(Observed observed);

@@ -388,9 +388,10 @@ struct DesignProblem {
 /// `outputs`, `requirements` and `aims` of `problem` may still be empty.
 std::vector<Column> design_outputs(const DesignProblem& problem);
 
-/// Why design_outputs() of this machine lack an output that other machines have; none: it has it,
-/// or no machine does.
-std::optional<std::string> why_no_output(const model::Machine& machine, std::string_view name);
+/// Why machine_problem() and design_outputs() of this machine lack an output that other machines
+/// have; none: it has it, or no machine does.
+std::optional<std::string> why_no_output(const model::Machine& machine, dynamics::ModelKind kind,
+                                         std::string_view name);
 
 /// Outputs of a machine at one pose, and their derivatives.
 class DesignModel {

@@ -101,9 +101,6 @@ struct Identified {
   std::vector<std::optional<identification::CrossCheck>> cross_checks{};  ///< per mode, or empty
   std::optional<identification::BootstrapScatter> bootstrap{};
   std::optional<report::ComparedModes> compared{};
-  /// [s] that the only record had to have for its sensors to be tested for a change; none: they
-  /// were, or the kind of record is not tested.
-  std::optional<double> needed_duration{};
   std::vector<base::Diagnostic> warnings{};  ///< those of `measured` too
 };
 

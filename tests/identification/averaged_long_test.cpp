@@ -1,0 +1,35 @@
+/// Responses of analysers over many seeds: what is found, and how often the 95 % intervals hold the
+/// truth.
+
+#include <gtest/gtest.h>
+
+#include "averaged.hpp"
+
+namespace hydrapod::identification {
+namespace {
+
+void expect_honest_averages(const char* name, const Averaged& how) {
+  const auto score = averaged_score(how, 60);
+  test::print_class(name, "hydrapod", score);
+  EXPECT_EQ(score.found, score.wanted);
+  EXPECT_EQ(score.false_modes, 0);
+  EXPECT_GE(score.frequency_coverage(), 0.9);
+  EXPECT_GE(score.damping_coverage(), 0.9);
+}
+
+TEST(AveragedLong, HannBlocksOf8Seconds) {
+  expect_honest_averages("averages with a Hann window, blocks of 8 s", {});
+}
+TEST(AveragedLong, HannBlocksOf16SecondsColoured) {
+  expect_honest_averages("the same, 16 s, inputs that fall with frequency",
+                         {.block = 4096, .blocks = 37.0, .colour = 0.7});
+}
+TEST(AveragedLong, HannOneInput) {
+  expect_honest_averages("the same, one input, 4 s", {.inputs = 1, .block = 1024});
+}
+TEST(AveragedLong, BlocksWithoutWindow) {
+  expect_honest_averages("averages without window, blocks of 8 s", {.window = "box"});
+}
+
+}  // namespace
+}  // namespace hydrapod::identification

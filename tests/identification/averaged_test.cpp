@@ -1,0 +1,70 @@
+// Responses that were averaged with a window which nobody names.
+#include "averaged.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "found_pole.hpp"
+
+namespace hydrapod::identification {
+namespace {
+
+std::string named_window(const Identification& found) {
+  const auto at = std::ranges::find(found.warnings, ModeWarning::Kind::window, &ModeWarning::kind);
+  return at == found.warnings.end() ? "" : at->window;
+}
+
+/// A fit without the window finds six to eight modes, with damping ratios up to twice too high.
+TEST(AveragedResponses, HaveTheModesOfTheMachine) {
+  for (const std::uint64_t seed : {3U, 4U}) {
+    const auto found = identify_modes(averaged({}, seed));
+    EXPECT_EQ(named_window(found), "hann");
+    const auto& warning = found.warnings.front();
+    EXPECT_NEAR(warning.value, 2048.0 / averaged_rate, 1e-9);
+    ASSERT_EQ(found.modes.size(), 5U);
+    const auto system = frame(2);
+    for (std::size_t r = 0; r < 5; ++r) {
+      expect_within_deviations(found.modes[r].fit, TruePole(system.modes[r].pole));
+      EXPECT_GT(found.modes[r].quality(), 0.5);
+      EXPECT_LT(found.modes[r].fit.damping_deviation, 0.05 * found.modes[r].fit.damping_ratio());
+    }
+  }
+}
+
+/// Blocks without a window let in more from far away, and widen resonances in another way.
+TEST(AveragedResponses, OfBlocksWithoutWindowAreKnownToo) {
+  const auto found = identify_modes(averaged({.window = "box"}, 5));
+  EXPECT_EQ(named_window(found), "rectangular");
+  ASSERT_EQ(found.modes.size(), 5U);
+  const auto system = frame(2);
+  for (std::size_t r = 0; r < 5; ++r)
+    expect_within_deviations(found.modes[r].fit, TruePole(system.modes[r].pole), 5e-4, 0.03);
+}
+
+/// Without averages there is no window, however few lines a resonance has, and also where a mode
+/// is missing from the model.
+TEST(AveragedResponses, WithoutBlocksNoWindowIsNamed) {
+  for (const double spacing : {0.0127, 0.0731, 0.119}) {
+    const auto system = frame(2);
+    test::Random random(17);
+    FrequencyResponses r;
+    const auto header = test::header_of(2, 4, 1.0);
+    r.inputs.assign(header.channels.begin(), header.channels.begin() + 2);
+    r.outputs.assign(header.channels.begin() + 2, header.channels.end());
+    for (int k = 1; k * spacing < 31.0; ++k) {
+      r.frequency.push_back(k * spacing);
+      r.H.push_back(system.response(k * spacing));
+      for (auto& h :
+           r.H.back().reshaped())  // and a structure that is not linear, from line to line
+        h *= 1.0 + 0.01 * std::complex<double>(test::normal(random), test::normal(random));
+    }
+    const auto found = identify_modes(r);
+    EXPECT_EQ(named_window(found), "") << spacing;
+    ASSERT_EQ(found.modes.size(), 5U) << spacing;
+  }
+}
+
+}  // namespace
+}  // namespace hydrapod::identification
