@@ -365,6 +365,9 @@ void run(const Arguments& given) {
     return write_result(arguments.output, format,
                         system_modes_text(arguments.machine, system, format, style));
   }
+  if (system.pade != simulation::default_pade_order)
+    base::refuse(fmt::format("--pade {}", system.pade),
+                 "is of the controller's delay; add --system or --root-locus");
   if (arguments.matrices && format != 1)
     base::refuse("--matrices", "matrices are part of the JSON; add --format json");
   const auto machine = load(arguments.machine);

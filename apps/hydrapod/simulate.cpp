@@ -286,6 +286,13 @@ tasks::SimulateOptions options_of(const Arguments& arguments) {
       "--integrator", arguments.integrator, {"exponential", "adaptive", "adams", "bdf", "fixed"})];
   if (!(arguments.tolerance >= 1e-13 && arguments.tolerance <= 1e-2))
     base::refuse(fmt::format("--tolerance {}", arguments.tolerance), "expected 1e-13 to 0.01");
+  const bool fixed = loop.integrator.method == simulation::Method::fixed;
+  const Arguments usual;
+  if (!fixed && arguments.step != usual.step)
+    base::refuse("--step " + arguments.step, "is of the fixed integrator; add --integrator fixed");
+  if (fixed && arguments.tolerance != usual.tolerance)
+    base::refuse(fmt::format("--tolerance {}", arguments.tolerance),
+                 "the fixed integrator has a step and no tolerance; give --step");
   loop.integrator.relative_tolerance = loop.integrator.absolute_tolerance = arguments.tolerance;
   loop.integrator.fixed_step = positive_time("--step", arguments.step);
   loop.seed = arguments.seed;

@@ -194,14 +194,36 @@ void write_csv(const tasks::StudyJob& job, const std::string& path) {
   write_output(path, text);
 }
 
-void plot_map(const tasks::StudyJob& job, const std::string& value, const std::string& path) {
-  if (job.problem.inputs.size() != 2 || job.plan.design != study::Design::grid)
-    base::refuse("--plot " + path, "a heat map needs a grid over exactly two inputs");
-  const auto found = std::ranges::find(job.problem.outputs, value, &study::Column::name);
-  if (found == job.problem.outputs.end()) {
-    const auto why = study::why_no_output(job.machine.file.machine, job.machine.kind, value);
-    base::refuse("--value " + value, why.value_or("unknown output"));
+/// What is asked of the results, looked at before the work begins.
+void require_results(const Arguments& arguments, const tasks::StudyJob& job) {
+  const bool grid = job.plan.design == study::Design::grid;
+  const auto& outputs = job.problem.outputs;
+  if (grid && !arguments.samples.empty())
+    base::refuse("--samples " + arguments.samples,
+                 fmt::format("a grid has one row per point, here {}; leave it out", job.rows));
+  if (!arguments.worst.empty() && job.requirements.empty())
+    base::refuse("--worst " + arguments.worst,
+                 "which sample is worst follows from the first --want");
+  if (std::ranges::find(outputs, arguments.value, &study::Column::name) == outputs.end()) {
+    std::vector<std::string_view> names;
+    for (const auto& output : outputs) names.push_back(output.name);
+    const auto why =
+        study::why_no_output(job.machine.file.machine, job.machine.kind, arguments.value);
+    base::refuse(
+        "--value " + arguments.value,
+        why.value_or(fmt::format("unknown output; accepted are {}", fmt::join(names, ", "))));
   }
+  if (arguments.plot.empty()) {
+    if (arguments.value != Arguments{}.value)
+      base::refuse("--value " + arguments.value, "is what --plot shows; add --plot FILE");
+    return;
+  }
+  if (job.problem.inputs.size() != 2 || !grid)
+    base::refuse("--plot " + arguments.plot, "a heat map needs a grid over exactly two inputs");
+}
+
+void plot_map(const tasks::StudyJob& job, const std::string& value, const std::string& path) {
+  const auto found = std::ranges::find(job.problem.outputs, value, &study::Column::name);
   const auto output = static_cast<std::size_t>(found - job.problem.outputs.begin());
   const auto axis = [&](std::size_t k, std::vector<double>& values) {
     const auto& input = job.problem.inputs[k];
@@ -224,8 +246,8 @@ void plot_map(const tasks::StudyJob& job, const std::string& value, const std::s
 
 void write_worst(const tasks::StudyJob& job, const study::Summary& summary,
                  const std::string& path) {
-  if (job.requirements.empty() || !summary.requirements.front().worst)
-    base::refuse("--worst " + path, "which sample is worst follows from the first --want");
+  if (!summary.requirements.front().worst)
+    base::refuse("--worst " + path, "no sample was computed");
   const auto values = tasks::study_row(job, *summary.requirements.front().worst);
   write_output(path, study::machine_text(job.machine.file, job.problem.inputs,
                                          std::span(values).first(job.problem.inputs.size()),
@@ -320,6 +342,7 @@ void run_with(Arguments arguments, study::Design design, const char* kind) {
     running.shards = shards;
     running.join = arguments.join;
     auto prepared = tasks::prepare_study(load(arguments.machine), options);
+    require_results(arguments, prepared);
     tasks::check_run(prepared, running);
     return prepared;
   });

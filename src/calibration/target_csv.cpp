@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
+#include <utility>
 
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/base/text.hpp"
@@ -105,12 +107,16 @@ class CsvReader {
     const bool plain =
         std::isdigit(static_cast<unsigned char>(text.back())) != 0 || text.back() == '.';
     const auto& unit = title.unit.empty() && title.name == "omega" ? rad_per_s : title.unit;
+    if (plain && unit.empty()) {  // of the column, not of the cell: said once
+      if (unit_missed_.insert(title.name).second)
+        fault(cell.column, title.name,
+              fmt::format("is {} without a unit; title the column `{} [Hz]`", text, title.name));
+      return std::nan("");
+    }
     const auto read = read_frequency(plain ? text + " " + unit : text, false, 0.0, "");
     if (read.problem.empty() && read.omega > 0.0) return read.omega;
     fault(cell.column, title.name,
-          unit.empty() && plain
-              ? fmt::format("is {} without a unit; title the column `{} [Hz]`", text, title.name)
-          : read.problem.empty()
+          read.problem.empty()
               ? fmt::format("is {}, expected a frequency above 0", base::printable(cell.text))
               : read.problem);
     return std::nan("");
@@ -132,7 +138,7 @@ class CsvReader {
       if (name == "frequency" || name == "omega") mode.omega = frequency(cell, title);
       if (name == "direction") mode.direction = direction(cell);
       if (name == "deviation") deviation = deviation_of(cell, title);
-      if (name == "damping") mode.damping = number(cell, title, "1");
+      if (name == "damping") mode.damping = damping(cell, title);
       if (name == "damping_deviation") mode.damping_deviation = damping_deviation(cell, title);
       if (name == "shape_against") mode.shape_against = shape_against(cell);
       if (name == "pose") {
@@ -145,6 +151,18 @@ class CsvReader {
         shape[k] = number(cell, title, k < 3 ? "m" : "rad");
     }
     finish(mode, deviation, shape);
+  }
+
+  /// A column without a unit in which a number is 1 or more is in %: said once.
+  std::optional<double> damping(const TableCell& cell, const TableTitle& title) {
+    const double value = number(cell, title, "1");
+    if (!(value >= 1.0) || !title.unit.empty() || cell.text.ends_with('%')) return value;
+    if (!std::exchange(percent_missed_, true))
+      fault(cell.column, title.name,
+            fmt::format("is {}, expected a damping ratio of at least 0 and below 1; title the "
+                        "column `damping [%]` where it is in percent",
+                        base::printable(cell.text)));
+    return std::nullopt;
   }
 
   std::optional<int> direction(const TableCell& cell) {
@@ -204,6 +222,8 @@ class CsvReader {
   base::TableReader table_;
   std::vector<TableTitle> titles_{};
   Targets targets_{};
+  std::set<std::string> unit_missed_{};  ///< columns
+  bool percent_missed_{};
   std::vector<base::Diagnostic> faults_{};
 };
 

@@ -222,7 +222,8 @@ class CsvReader final : public RecordReader {
       notes_.fail(
           "no line of numbers was found; expected is a table of samples, one line each, the "
           "fields apart by comma, semicolon, tabulator or blanks, times as numbers or as "
-          "2026-11-20T09:00:00.125Z");
+          "2026-11-20T09:00:00.125Z; a list of modes has a title row with `frequency [Hz]` or "
+          "`omega [rad/s]`");
     if (!by_hydrapod_ && !comments.text_of("sample_rate_hz").empty()) notes_.add(damaged_mark);
     const auto found = titles(head);
     if (!times_) find_time_column(found);

@@ -93,7 +93,7 @@ std::vector<Contradiction> missing_resonances(const Evidence& evidence, const Hy
 
 std::vector<Contradiction> what_is_wrong(const Evidence& evidence, const Hypothesis& e) {
   constexpr std::size_t most = 3;
-  constexpr double other_motion = 0.8;
+  constexpr double other_motion = 0.8, beyond = 10.0;
   const auto& targets = evidence.targets();
   std::vector<Contradiction> wrong;
   if_possible([&] { wrong = missing_resonances(evidence, e); });  // or it folds at a pose
@@ -107,6 +107,7 @@ std::vector<Contradiction> what_is_wrong(const Evidence& evidence, const Hypothe
     if (wrong.size() >= of_modes) break;
     const auto& target = targets.modes[i];
     const auto& fit = e.fit.targets[i];
+    if (e.rigid && fit.omega > beyond * target.omega) continue;  // of seals made rigid: no mode
     if (difference(i) >= notable) {
       wrong.push_back(contradiction(Contradiction::Kind::frequency, {place_of(target)}));
       wrong.back().omega = fit.omega;

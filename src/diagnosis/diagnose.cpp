@@ -307,6 +307,7 @@ Diagnosis diagnose(const model::MachineFile& file, const observation::Targets& m
   rank(d);
   if (!watch.stopped() && pairs_can_win(d)) try_pairs(evidence, options, d, watch);
   judge(d);
+  find_slips(file, kind, d);
   if (!d.equivalent.empty()) widen(evidence, d, options.frequency_error, watch);
   trace_modes(file, d);
   if (!watch.stopped()) describe(evidence, d, options.threads, watch);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "evidence.hpp"
 #include "ranking.hpp"
 
 namespace hydrapod::diagnosis {
@@ -62,6 +63,51 @@ double unlisted_bic(const Diagnosis& d) {
       bic += sum;
   }
   return bic;
+}
+
+namespace {
+
+/// Has the nominal machine these modes, shapes included?
+bool has_modes(const model::MachineFile& file, const observation::Targets& targets,
+               dynamics::ModelKind kind) {
+  double misfit = std::numeric_limits<double>::infinity();
+  if_possible([&] {
+    const auto fit = calibration::compare(file, targets, kind);
+    if (fit.fitted) misfit = fit.misfit;
+  });
+  return ChiSquared{.sum = misfit, .degrees = values_in(targets)}.probability() >=
+         usual_frequencies;
+}
+
+}  // namespace
+
+void find_slips(const model::MachineFile& file, dynamics::ModelKind kind, Diagnosis& d) {
+  constexpr std::size_t most = 50;  // poses that are tried
+  if (d.finding == Finding::nominal || d.finding == Finding::nothing_to_blame) return;
+  auto targets = d.targets;
+  targets.responses.clear();
+  const std::string stated = targets.modes.front().pose;
+  // a controller is tuned for each pose that was measured, and not for others
+  const bool one_pose =
+      targets.observed != observation::Observed::system &&
+      std::ranges::all_of(targets.modes, [&](const auto& mode) { return mode.pose == stated; });
+  for (std::size_t k = 0; one_pose && k < std::min(most, file.machine.poses.size()); ++k) {
+    const auto& name = file.machine.poses[k].name;
+    if (name == stated) continue;
+    auto there = targets;
+    for (auto& mode : there.modes) mode.pose = name;
+    if (has_modes(file, there, kind)) d.nominal_at.push_back(name);
+  }
+  if (!d.equivalent.empty() || std::ssize(targets.modes) <= fewest_modes) return;
+  int odd = 0;
+  for (std::size_t i = 0; i < targets.modes.size(); ++i) {
+    auto others = targets;
+    others.modes.erase(others.modes.begin() + static_cast<std::ptrdiff_t>(i));
+    if (!has_modes(file, others, kind)) continue;
+    if (odd > 0) return;
+    odd = static_cast<int>(i) + 1;
+  }
+  d.odd_mode = odd;
 }
 
 double raw_scatter2(const Diagnosis& d) {

@@ -26,6 +26,9 @@ void rank(Diagnosis& d);
 /// Finding and those that are alike. Called on ranked hypotheses.
 void judge(Diagnosis& d);
 
+/// Looks for slips in what was measured: another pose than the stated one, one wrong mode.
+void find_slips(const model::MachineFile& file, dynamics::ModelKind kind, Diagnosis& d);
+
 /// Share of a rigid shape ψ that is in a shape φ: (ψᵀ M_r φ)²/(ψᵀ M_rr ψ).
 double rigid_share(const dynamics::LinearModel& flexible, const spatial::Vector6& psi,
                    const dynamics::ModelVector& phi);

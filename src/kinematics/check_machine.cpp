@@ -7,6 +7,7 @@
 #include <iterator>
 #include <limits>
 #include <numbers>
+#include <optional>
 
 namespace hydrapod::kinematics {
 
@@ -98,6 +99,51 @@ std::string stroke_text(const LegsAtPose& at, int i) {
       stroke.retracted + stroke.length);
 }
 
+/// Place of the piston of leg i where its rod ends at the platform joint of leg `other`; none where
+/// that is out of its stroke.
+std::optional<double> piston_at_joint(const model::Machine& machine, const Pose& X_BP, int i,
+                                      int other) {
+  const auto& leg = machine.legs[static_cast<std::size_t>(i)];
+  const Vector3 joint =
+      X_BP.R_BP * machine.legs[static_cast<std::size_t>(other)].platform_joint + X_BP.p_BP;
+  const double piston = (joint - leg.base_joint).norm() - leg.rod.length;
+  const bool reaches = piston > 0.0 && leg.stroke && piston >= leg.stroke->retracted &&
+                       piston <= leg.stroke->retracted + leg.stroke->length;
+  return reaches ? std::optional(piston) : std::nullopt;
+}
+
+/// Where some legs are too long by much, the joints of the platform may be numbered from another
+/// leg on, or the other way round than those of the base. The order in which all legs reach, of
+/// several that with the shortest legs; empty: there is none.
+std::string numbering_advice(const LegsAtPose& at, const Pose& X_BP, const Failing& legs) {
+  constexpr double much = 0.25;  // of the stroke
+  const auto& stroke = at.machine.legs[static_cast<std::size_t>(legs.index())].stroke;
+  if (!stroke || legs.most < much * stroke->length ||
+      std::ssize(legs.numbers) == model::leg_count || at.piston(legs.index()) < stroke->retracted)
+    return {};
+  double shortest = std::numeric_limits<double>::infinity();
+  std::vector<int> found;
+  for (int k = 1; k < 2 * model::leg_count; ++k) {
+    std::vector<int> order;
+    double sum = 0.0;
+    for (int i = 0; i < model::leg_count && std::ssize(order) == i; ++i) {
+      const int other = (k < model::leg_count ? i + k : k - i) % model::leg_count;
+      const auto piston = piston_at_joint(at.machine, X_BP, i, other);
+      if (!piston) break;
+      sum += *piston;
+      order.push_back(other + 1);
+    }
+    if (std::ssize(order) < model::leg_count || sum >= shortest) continue;
+    shortest = sum;
+    found = order;
+  }
+  if (found.empty()) return {};
+  return fmt::format(
+      "; all legs reach where the platform joints are taken in the order {}: are base and platform "
+      "numbered alike?",
+      fmt::join(found, ", "));
+}
+
 /// The smallest number where the sleeve stands at an end of the rod: that is off as well.
 double off_rod(const LegsAtPose& at, int i) {
   const auto& leg = at.machine.legs[i];
@@ -119,14 +165,19 @@ std::string sleeve_text(const LegsAtPose& at, int i) {
 void check_legs(const model::Machine& machine, const Pose& X_BP, Findings& findings) {
   LegsAtPose at{machine, leg_lengths(machine, X_BP)};
   if (has_joint_limits(machine)) at.angles = joint_angles(machine, X_BP);
-  const auto add = [&](const Failing& legs, auto text, const char* advice = "") {
+  const auto add = [&](const Failing& legs, auto text, const std::string& advice = "") {
     if (legs.numbers.empty()) return false;
     findings.error(text(at, legs.index()) + legs.others() + advice);
     return true;
   };
   const bool too_short = add(failing([&](int i) { return missing_length(at, i); }), short_leg,
                              "; move the platform away from the base or shorten the rod");
-  if (too_short || add(failing([&](int i) { return beyond_stroke(at, i); }), stroke_text)) return;
+  if (too_short) return;
+  const auto off_stroke = failing([&](int i) { return beyond_stroke(at, i); });
+  if (!off_stroke.numbers.empty()) {
+    add(off_stroke, stroke_text, numbering_advice(at, X_BP, off_stroke));
+    return;
+  }
   add(failing([&](int i) { return machine.legs[i].strut ? 0.0 : off_rod(at, i); }), sleeve_text);
   const auto tilt = [&](const char* joint, auto limit, auto angle) {
     add(failing([&](int i) {

@@ -212,6 +212,28 @@ std::string at_pose(const Targets& targets, std::size_t i) {
 
 }  // namespace
 
+namespace {
+
+/// The target that is missed by most deviations.
+std::string unmet_text(const Candidate& best, const Targets& targets) {
+  std::string farthest;
+  double most = 3.0;  // σ; below it shapes or damping ratios are what is missed
+  for (std::size_t i = 0; i < best.targets.size(); ++i) {
+    const auto& fit = best.targets[i];
+    if (fit.outlier || !(std::abs(fit.difference) > most)) continue;
+    most = std::abs(fit.difference);
+    farthest = fmt::format(": target {}{} is {:.3g} Hz or {:.3g} σ from its mode",
+                           targets.modes[i].name, at_pose(targets, i),
+                           std::abs(fit.omega - targets.modes[i].omega) / base::two_pi, most);
+  }
+  return fmt::format(
+      "the targets cannot be met{}; an effect is missing in the model, a bound is too tight, or a "
+      "target is wrong",
+      farthest);
+}
+
+}  // namespace
+
 std::vector<std::string> calibration_remarks(const Calibration& result, const Targets& targets) {
   std::vector<std::string> remarks;
   const auto& best = result.best();
@@ -230,11 +252,7 @@ std::vector<std::string> calibration_remarks(const Calibration& result, const Ta
           spatial::direction_name(targets.modes[i].direction.value_or(0)),
           spatial::direction_name(*best.targets[i].mode_direction)));
   const double count = static_cast<double>(best.targets.size());
-  if (best.misfit > 9.0 * count)
-    remarks.push_back(
-        fmt::format("the targets cannot be met: the largest difference is {:.3g} rad/s; an effect "
-                    "is missing in the model, a bound is too tight, or a target is wrong",
-                    best.worst));
+  if (best.misfit > 9.0 * count) remarks.push_back(unmet_text(best, targets));
   if (!best.converged && !result.interrupted)
     remarks.push_back("the fit has not converged; more steps (`max_iterations` in [fit]) may help");
   if (best.targets.size() < best.parameters.size())

@@ -336,6 +336,8 @@ void describe_diagnosis(Fields& f, Diagnosis& d) {
                                   "misfit",  "untested",    "at_bound"};
   if (f.has("unexplained")) d.unexplained.emplace();
   if (d.unexplained) f.word("unexplained", *d.unexplained, why);
+  if (!d.nominal_at.empty() || f.has("nominal_at")) f("nominal_at", d.nominal_at);
+  if (d.odd_mode > 0 || f.has("odd_mode")) f("odd_mode", d.odd_mode);
   f("interrupted", d.interrupted);
   f("measured_modes", d.modes);
   if constexpr (Fields::reads) {

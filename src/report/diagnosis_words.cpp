@@ -427,8 +427,45 @@ std::vector<std::string> untested_words(const Diagnosis& d) {
 
 }  // namespace
 
+namespace {
+
+std::string mode_text(const Diagnosis& d, const MeasuredMode& mode) {
+  return fmt::format(
+      "{:.2f} Hz{}{}", mode.omega / two_pi,
+      mode.direction < 0 ? "" : fmt::format(" in {}", direction_name(mode.direction)),
+      at_pose(d, mode.pose));
+}
+
+/// Modes that are there twice, one mode that does not belong to the others, another pose.
+std::vector<std::string> slip_words(const Diagnosis& d) {
+  std::vector<std::string> words;
+  const bool settled = d.finding == Finding::nominal || d.finding == Finding::nothing_to_blame;
+  for (std::size_t i = 0; i < d.modes.size() && !settled; ++i)
+    for (std::size_t k = 0; k < i; ++k) {
+      const auto &one = d.modes[k], &other = d.modes[i];
+      if (one.pose != other.pose || one.direction != other.direction || one.direction < 0 ||
+          one.omega != other.omega)
+        continue;
+      words.push_back(fmt::format("the mode at {} is listed twice (modes {} and {})",
+                                  mode_text(d, one), k + 1, i + 1));
+    }
+  if (d.odd_mode > 0 && static_cast<std::size_t>(d.odd_mode) <= d.modes.size())
+    words.push_back(fmt::format(
+        "without the mode at {} the nominal machine explains the measurement; check this mode",
+        mode_text(d, d.modes[static_cast<std::size_t>(d.odd_mode) - 1])));
+  if (!d.nominal_at.empty() && !d.modes.empty())
+    words.push_back(
+        fmt::format("the measured modes are those of the nominal machine at pose {}; "
+                    "check the pose, which is stated as {}",
+                    fmt::join(d.nominal_at, " or "), d.modes.front().pose));
+  return words;
+}
+
+}  // namespace
+
 std::vector<std::string> note_words(const Diagnosis& d) {
-  auto words = direction_warnings(d);
+  auto words = slip_words(d);
+  std::ranges::copy(direction_warnings(d), std::back_inserter(words));
   std::ranges::copy(untested_words(d), std::back_inserter(words));
   if (!d.substitution) return words;
   const auto& [measured, error] = *d.substitution;

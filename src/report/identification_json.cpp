@@ -215,7 +215,10 @@ identification::Identification identification_from_json(const Json& json, const 
   const Reader fields(json, file);
   for (const char* key : {"modes", "outputs"})
     if (!fields.has(key) || !fields.at(key).is_array())
-      fields.bad(key, "is missing; `hydrapod identify RECORD --format json` writes such a file");
+      fields.bad(key,
+                 "is missing; `hydrapod identify RECORD --format json` writes such a file, and a "
+                 "list of modes by hand is CSV with the columns `frequency [Hz]` and `direction`, "
+                 "or TOML");
   identification::Identification result;
   read(json, file, result);
   if (result.modes.empty()) fields.bad("modes", "is empty: no mode was identified");

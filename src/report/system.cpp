@@ -77,9 +77,12 @@ std::string verdict_text(const SystemPoles& poles) {
   const std::string motion =
       omega > 0.0 ? fmt::format("oscillation at {:.4g} Hz", omega / two_pi) : "motion";
   const char* article = omega > 0.0 ? "an" : "a";
+  constexpr double rounding = 1e-9;
   std::string text =
-      stable ? fmt::format("stable: the slowest {} decays with {:.3g} 1/s", motion, -rate)
-             : fmt::format("UNSTABLE: {} {} grows with {:.3g} 1/s", article, motion, rate);
+      stable && omega > 0.0 && std::abs(rate) <= rounding * omega
+          ? fmt::format("stable: nothing grows, and nothing damps the {}", motion)
+      : stable ? fmt::format("stable: the slowest {} decays with {:.3g} 1/s", motion, -rate)
+               : fmt::format("UNSTABLE: {} {} grows with {:.3g} 1/s", article, motion, rate);
   if (sampled)
     text += fmt::format(" (sampled loop, exact: largest |z| {:.6f})", poles.largest_modulus);
   if (sampled && poles.stable != poles.sampled_stable)

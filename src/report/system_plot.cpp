@@ -206,7 +206,7 @@ void plot_root_locus(const RootLocus& locus, const std::string& title, const std
                        "set cblabel {}\nset cbrange [{:.9g}:{:.9g}]\n"
                        "set palette defined (0 '#0072b2', 0.5 '#e69f00', 1 '#d55e00')\n"
                        "set arrow from 0,{:.6g} to 0,{:.6g} nohead lw 1.2 lc rgb '#444444'\n"
-                       "set key at graph 0.99,0.05 right bottom\n",
+                       "set key at screen 0.86,0.012 right bottom\n",
                        1.0 - 66.0 / plane_height, left, right, bottom, top, quoted(locus.key),
                        least, most, bottom, top) +
            curves + "\n");

@@ -59,6 +59,13 @@ SystemPole described(Complex pole, int group, const Eigen::VectorXd& shares,
   return found;
 }
 
+/// An oscillation that nothing damps, of a seal without a damper for instance, has a real part that
+/// is rounding alone: it does not grow.
+bool grows(Complex pole) {
+  constexpr double rounding = 1e-9;  // of |pole|
+  return pole.real() >= (pole.imag() > 0.0 ? rounding * std::abs(pole) : 0.0);
+}
+
 void sampled_poles(const LinearSystem& system, SystemPoles& found) {
   found.sampled_stable = found.stable;
   if (system.sampled.size() == 0) return;
@@ -70,7 +77,7 @@ void sampled_poles(const LinearSystem& system, SystemPoles& found) {
     if (z.imag() < 0.0 || std::abs(z) < 1e-12) continue;  // conjugates; drives that are forgotten
     found.sampled.push_back(std::log(z) / system.sample_time);
   }
-  found.sampled_stable = found.largest_modulus < 1.0;
+  found.sampled_stable = std::ranges::none_of(found.sampled, grows);
   std::sort(found.sampled.begin(), found.sampled.end(), [](Complex a, Complex b) {
     return a.real() != b.real() ? a.real() > b.real() : a.imag() < b.imag();
   });
@@ -111,7 +118,8 @@ SystemPoles system_poles(const LinearSystem& system) {
   }
   found.largest_real = found.poles.empty() ? -std::numeric_limits<double>::infinity()
                                            : found.poles.front().pole.real();
-  found.stable = found.largest_real < 0.0;
+  found.stable = std::ranges::none_of(
+      found.poles, [](const SystemPole& described) { return grows(described.pole); });
   sampled_poles(system, found);
   return found;
 }

@@ -28,6 +28,7 @@ struct Wanted {
   std::vector<std::string> overrides{};
   bool is_machine{};
   bool says_pose{};
+  bool follows{};  ///< no pose was asked for: it is at the one that the measurements state
 };
 
 Wanted wanted_from(const std::string& text) {
@@ -116,8 +117,10 @@ std::vector<Wanted> wanted_things(const CompareOptions& options) {
       if (one.is_machine) one.overrides = options.overrides;
   }
   for (auto& one : all)
-    if (one.is_machine && one.pose.empty())
-      one.pose = options.poses.empty() ? "neutral" : options.poses.front();
+    if (one.is_machine && one.pose.empty()) {
+      one.follows = options.poses.empty();
+      one.pose = one.follows ? "neutral" : options.poses.front();
+    }
   refuse_repeats(all);
   return all;
 }
@@ -186,20 +189,79 @@ void add_calculated_responses(const Machine& machine, int points, Side& side) {
   }
 }
 
-Side machine_side(const Wanted& wanted, const CompareOptions& options, Observed observed,
-                  Diagnostics& warnings) {
-  const auto machine = read_machine({.file = wanted.path,
-                                     .overrides = wanted.overrides,
-                                     .pose = wanted.pose,
-                                     .model = options.model});
+/// A pose that a measurement states, and its file.
+struct StatedPose {
+  std::string path{};
+  model::NamedPose pose{};
+};
+
+/// Of all measured things that state one.
+std::vector<StatedPose> stated_poses(const std::vector<Wanted>& wanted,
+                                     const model::Machine& machine) {
+  std::vector<StatedPose> found;
+  for (const auto& one : wanted)
+    if (!one.is_machine && data::file_kind(one.path) != data::FileKind::modal_results)
+      if (auto pose = stated_pose(one.path, machine)) found.push_back({one.path, *pose});
+  return found;
+}
+
+bool at_one_place(const model::NamedPose& a, const model::NamedPose& b) {
+  constexpr double same = 1e-6;  // [m] and [rad]
+  return (a.X_BP.p_BP - b.X_BP.p_BP).norm() < same && (a.X_BP.R_BP - b.X_BP.R_BP).norm() < same;
+}
+
+bool reaches(const Machine& machine, model::NamedPose pose) {
+  auto file = machine.file;
+  try {
+    add_pose(file, pose, pose.name);
+  } catch (const base::InputError&) {
+    return false;  // the record is of another machine
+  }
+  return true;
+}
+
+/// The machine goes to the pose that all measurements state, where none was asked for; what states
+/// another than the machine's is a warning. Which file the pose is from; empty: of none.
+std::string take_measured_pose(const Wanted& wanted, const std::vector<Wanted>& all,
+                               Machine& machine, Diagnostics& warnings) {
+  const auto stated = stated_poses(all, machine.file.machine);
+  if (stated.empty()) return {};
+  const auto& first = stated.front();
+  const bool one = std::ranges::all_of(
+      stated, [&](const auto& other) { return at_one_place(other.pose, first.pose); });
+  if (one && wanted.follows && reaches(machine, first.pose)) {
+    machine.pose = first.pose;
+    return first.path;
+  }
+  for (const auto& other : stated) {
+    if (at_one_place(other.pose, machine.pose)) continue;
+    const bool known = find_pose(machine.file.machine, other.pose.name) != nullptr;
+    add_warning(
+        other.path,
+        fmt::format("states {}, and {} is compared at pose {}",
+                    known ? "pose " + other.pose.name : "a pose that is none of " + wanted.path,
+                    wanted.path, machine.pose.name),
+        warnings);
+  }
+  return {};
+}
+
+Side machine_side(const Wanted& wanted, const std::vector<Wanted>& all,
+                  const CompareOptions& options, Observed observed, Diagnostics& warnings) {
+  auto machine = read_machine({.file = wanted.path,
+                               .overrides = wanted.overrides,
+                               .pose = wanted.pose,
+                               .model = options.model});
   append(machine.file.warnings, warnings);
+  const std::string source = take_measured_pose(wanted, all, machine, warnings);
   Side side{.calculated = true};
   const auto& of = machine.file.machine;
   side.frame = {of, machine.pose.X_BP, kinematics::mass_center(of, machine.pose.X_BP)};
   side.thing = {.kind = ThingKind::machine,
                 .name = wanted.text,
                 .description = fmt::format(
-                    "{}, pose {}, {} model of the {}; machine: {}", of.name, machine.pose.name,
+                    "{}, pose {}{}, {} model of the {}; machine: {}", of.name, machine.pose.name,
+                    source.empty() ? "" : fmt::format(" as {} states", source),
                     dynamics::name(machine.kind), observation::description(observed),
                     observed == Observed::mechanics ? report::mechanics_state_text(machine.file)
                                                     : report::state_text(machine.file))};
@@ -381,7 +443,7 @@ Compared compare(const CompareOptions& options, const Progress& progress) {
   const auto observed = options.observed.value_or(measured.value_or(Observed::mechanics));
   for (std::size_t k = 0; k < wanted.size(); ++k)
     if (wanted[k].is_machine)
-      sides[k] = machine_side(wanted[k], options, observed, compared.warnings);
+      sides[k] = machine_side(wanted[k], wanted, options, observed, compared.warnings);
   for (const auto& side : sides)
     if (side.thing.modes.empty())
       base::refuse(side.thing.name, "has no mode that moves the platform");

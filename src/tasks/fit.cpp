@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "hydrapod/base/error.hpp"
+#include "measured_files.hpp"
 
 namespace hydrapod::tasks {
 
@@ -100,6 +101,39 @@ Calibrated calibrate(const Machine& given, const CalibrateOptions& options,
   return result;
 }
 
+namespace {
+
+/// Friction in the file that the linear model, with which records are compared, leaves out; empty:
+/// none.
+std::string friction_in(const model::Machine& machine) {
+  const auto any = [&](const auto& has) { return std::ranges::any_of(machine.legs, has); };
+  if (any([](const auto& leg) { return leg.screw && leg.screw->friction_torque > 0.0; }))
+    return "legs.screw.friction_torque";
+  if (any([](const auto& leg) { return leg.hydraulics.friction.coulomb.value_or(0.0) > 0.0; }))
+    return "legs.friction.coulomb";
+  return {};
+}
+
+void warn_of_friction(const Machine& machine, const std::string& path,
+                      const diagnosis::Diagnosis& d, Diagnostics& warnings) {
+  using diagnosis::Finding;
+  if (d.finding != Finding::unexplained && d.finding != Finding::do_not_belong) return;
+  if (d.targets.observed == observation::Observed::mechanics && !d.substitution) return;
+  using Slip = diagnosis::Objection::Slip;
+  if (std::ranges::any_of(d.objections, [](const auto& one) { return one.slip != Slip::none; }))
+    return;  // a unit
+  const auto key = friction_in(machine.file.machine);
+  if (key.empty()) return;
+  add_warning(path,
+              fmt::format("{} acts in the record, and the linear model that it is compared with "
+                          "leaves it out; frequencies and damping then change with the "
+                          "amplitude: compare records of smaller and of larger excitation",
+                          key),
+              warnings);
+}
+
+}  // namespace
+
 Diagnosed diagnose(const Machine& given, const DiagnoseOptions& options, const Progress& progress) {
   Diagnosed result{.machine = given};
   auto& [file, path, pose, kind] = result.machine;
@@ -121,6 +155,7 @@ Diagnosed diagnose(const Machine& given, const DiagnoseOptions& options, const P
     found.diagnosis = diagnosis::diagnose(file, result.measured, kind, poses, options.rules,
                                           numerics::part_of(progress, 0.2, 0.9));
     const auto& d = *found.diagnosis;
+    warn_of_friction(result.machine, options.measured.files.front(), d, result.warnings);
     if (d.equivalent.empty() || d.interrupted) return result;
     const auto& best = d.hypotheses[d.equivalent.front()];
     // legs that do not bend have no sleeves to speak of

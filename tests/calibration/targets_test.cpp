@@ -241,6 +241,20 @@ TEST(Targets, OfAPoseThatTheMachineLacksAreReportedWithTheOtherMistakes) {
   }
 }
 
+/// A column without a unit is one mistake, however many rows it has.
+TEST(Targets, AColumnWithoutAUnitIsSaidOnce) {
+  try {
+    std::ignore =
+        parse_targets("frequency,damping,deviation\n11.3,3,0.1\n11.4,2,0.1\n22.8,5,0.1\n", "t.csv");
+    FAIL() << "accepted";
+  } catch (const base::InputError& error) {
+    ASSERT_EQ(error.diagnostics().size(), 3U) << error.what();
+    EXPECT_EQ(error.diagnostics()[0].key, "frequency");
+    EXPECT_EQ(error.diagnostics()[1].key, "damping");
+    EXPECT_EQ(error.diagnostics()[2].key, "deviation");
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(
     Csv, WrongTargets,
     testing::Values(
@@ -269,6 +283,9 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"Damping", "t.csv", "frequency [Hz],damping [%]\n11.3,-5\n",
               "t.csv:2:1: error: damping: is -0.05, expected a damping ratio of at least 0 and "
               "below 1"},
+        Wrong{"DampingInPercent", "t.csv", "frequency [Hz],damping\n11.3,3.1\n",
+              "t.csv:2:6: error: damping: is 3.1, expected a damping ratio of at least 0 and below "
+              "1; title the column `damping [%]` where it is in percent"},
         Wrong{"DampingDeviation", "t.csv", "frequency [Hz],damping_deviation\n11.3,0\n",
               "t.csv:2:6: error: damping_deviation: is 0, expected more than 0"},
         Wrong{"Negative", "t.csv", "frequency [Hz]\n-3\n",

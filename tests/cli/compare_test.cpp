@@ -148,6 +148,28 @@ TEST_F(Compare, IdentifiedModesAreThoseOfTheirRecord) {
   }
 }
 
+TEST_F(Compare, AMachineIsComparedAtThePoseThatTheMeasurementStates) {
+  const auto rig = test::run_hydrapod(
+      {"rig", heavy, "--pose", "low", "--duration", "20 s", "-o", "low.h5", "--quiet"},
+      {.folder = folder.path()});
+  ASSERT_EQ(rig.exit_code, 0) << rig.err;
+  const auto described = [&](std::vector<std::string> things) {
+    const auto found = compared(std::move(things), folder.path());
+    return found["things"][0]["description"].get<std::string>();
+  };
+  EXPECT_THAT(described({heavy, "low.h5"}), HasSubstr("pose low as low.h5 states,"));
+  EXPECT_THAT(described({heavy + "@low", "low.h5"}), HasSubstr("pose low, "));
+  const auto other =
+      test::run_hydrapod({"compare", heavy + "@neutral", "low.h5"}, {.folder = folder.path()});
+  EXPECT_EQ(other.exit_code, 0);
+  EXPECT_THAT(other.out, HasSubstr("pose neutral, "));
+  EXPECT_THAT(other.err, HasSubstr("low.h5: warning: states pose low, and " + heavy +
+                                   " is compared at pose neutral"));
+  const auto stranger =
+      test::run_hydrapod({"compare", published, "low.h5"}, {.folder = folder.path()});
+  EXPECT_THAT(stranger.err, HasSubstr("low.h5: warning: states a pose that is none of"));
+}
+
 TEST_F(Compare, TheTableEndsWithTheVerdictAndCsvHasALinePerPair) {
   record("before.h5", 1733.0, 3);
   record("after.h5", 1733.0 * 1.05, 5);

@@ -408,6 +408,13 @@ TEST(Modes, MatricesNeedTheJson) {
   EXPECT_EQ(result.err, "--matrices: error: matrices are part of the JSON; add --format json\n");
 }
 
+TEST(Modes, TheDelayIsOfTheController) {
+  const auto result = run_hydrapod({"modes", published, "--pade", "3"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_EQ(result.err,
+            "--pade 3: error: is of the controller's delay; add --system or --root-locus\n");
+}
+
 TEST(ModesAtPoses, AreThoseOfEachPoseFollowedByShape) {
   const auto all = json_of({"modes", heavy, "--poses", "all", "--format", "json"});
   EXPECT_EQ(all["kind"], "modes_at_poses");

@@ -201,6 +201,35 @@ TEST_F(OtherLegs, ModesOfScrewsAreOfHeldOrOfFreeMotors) {
                                 Not(HasSubstr("locked motors"))));
 }
 
+/// What the linear model leaves out is named where nothing explains the measurement.
+TEST_F(OtherLegs, FrictionOfMotorsIsNamedWhereNothingExplainsARecord) {
+  const auto modes = nlohmann::json::parse(
+      run({"modes", "screws.toml", "--model", "rigid", "--format", "json"}).out);
+  std::string list = "frequency [Hz],direction\n";
+  for (std::size_t k = 0; k < 6; ++k)
+    list += fmt::format("{},{}\n", 3.3 * modes["modes"][k]["frequency_hz"].get<double>(),
+                        spatial::direction_name(static_cast<int>(k)));
+  test::write_text(folder_ / "list.csv", list);
+  const auto plant =
+      run({"diagnose", "screws.toml", "--measured", "list.csv", "--against", "plant"});
+  EXPECT_THAT(plant.out, HasSubstr("do not match"));
+  EXPECT_THAT(plant.err, HasSubstr("list.csv: warning: legs.screw.friction_torque acts in the "
+                                   "record, and the linear model that it is compared with"));
+  const auto mechanics = run({"diagnose", "screws.toml", "--measured", "list.csv"});
+  EXPECT_THAT(mechanics.out, HasSubstr("do not match"));
+  EXPECT_THAT(mechanics.err, Not(HasSubstr("friction")));
+}
+
+/// Seals without dampers, on a machine so symmetric that nothing else damps them either: whether
+/// rounding leaves them a real part above or below zero says nothing.
+TEST_F(OtherLegs, SealsThatNothingDampsAreNotUnstable) {
+  const auto result =
+      run({"modes", "screws.toml", "--system", "--pose", "up", "--set",
+           "platform.mass_center=[0, 0, 0]", "--set", "platform.inertia={xx=430, yy=430, zz=700}"});
+  EXPECT_THAT(result.out,
+              HasSubstr("\nstable: nothing grows, and nothing damps the oscillation at "));
+}
+
 TEST_F(OtherLegs, ScrewsAreSimulatedWithTheirDrives) {
   const auto step = run(
       {"simulate", "screws.toml", "--command", "step z=2 mm", "--until", "0.8", "-o", "step.csv"});

@@ -295,6 +295,11 @@ TEST(Simulate, MistakesInArgumentsAreNamed) {
             "--integrator euler: error: unknown value; accepted are exponential, adaptive, adams, "
             "bdf, fixed\n");
   EXPECT_EQ(complaint({"--tolerance", "1"}), "--tolerance 1: error: expected 1e-13 to 0.01\n");
+  EXPECT_EQ(complaint({"--step", "10 us"}),
+            "--step 10 us: error: is of the fixed integrator; add --integrator fixed\n");
+  EXPECT_EQ(complaint({"--integrator", "fixed", "--tolerance", "1e-8"}),
+            "--tolerance 1e-08: error: the fixed integrator has a step and no tolerance; give "
+            "--step\n");
   EXPECT_THAT(complaint({"-o", "run.xyz"}), HasSubstr("run.xyz"));
   EXPECT_EQ(complaint({"--plot", "run.gif"}),
             "--plot run.gif: error: a plot ends in .svg, .png or .pdf; found '.gif'\n");

@@ -139,6 +139,32 @@ TEST(Studies, NumbersOfThePoseMoveThePlatform) {
                                        "neutral"));
 }
 
+/// What cannot be shown is refused before rows are computed and written.
+TEST(Studies, WhatIsAskedOfTheResultsIsLookedAtFirst) {
+  const test::TemporaryFolder folder;
+  const auto complaint = [&](std::vector<std::string> words) {
+    words.insert(words.end(), {"--results", "s.h5"});
+    const auto run = test::run_hydrapod(words, {.folder = folder.path()});
+    EXPECT_EQ(run.exit_code, 2);
+    EXPECT_EQ(run.out, "");
+    EXPECT_FALSE(std::filesystem::exists(folder / "s.h5"));
+    return run.err;
+  };
+  const std::string over = "platform.mass=800:1000:3 kg";
+  EXPECT_EQ(complaint({"sweep", machine, "--over", over, "--plot", "s.svg"}),
+            "--plot s.svg: error: a heat map needs a grid over exactly two inputs\n");
+  EXPECT_EQ(complaint({"sweep", machine, "--over", over, "--samples", "20"}),
+            "--samples 20: error: a grid has one row per point, here 3; leave it out\n");
+  EXPECT_EQ(complaint({"sweep", machine, "--over", over, "--value", "x"}),
+            "--value x: error: is what --plot shows; add --plot FILE\n");
+  EXPECT_THAT(complaint({"map", machine, "--over", "x=-2:2:3 mm", "--over", "y=-2:2:3 mm",
+                         "--value", "first", "--plot", "s.svg"}),
+              HasSubstr("--value first: error: unknown output; accepted are status, lowest,"));
+  EXPECT_EQ(complaint({"montecarlo", machine, "--vary", "platform.mass=normal ± 1 %", "--worst",
+                       "w.toml"}),
+            "--worst w.toml: error: which sample is worst follows from the first --want\n");
+}
+
 TEST(Studies, SweepAndMapGoThroughTheirGrids) {
   const test::TemporaryFolder folder;
   const auto sweep = test::run_hydrapod(

@@ -57,6 +57,53 @@ Diagnosis diagnosis_of(const observation::Targets& targets) {
   return diagnose(file, targets, ModelKind::guide, file.machine.poses);
 }
 
+/// The seals that the rigid-leg model has are beyond any measurement: their modes are no
+/// prediction.
+TEST(Diagnose, RigidSealsPredictNoMode) {
+  const auto d = of({"legs.guide_sleeve.stiffness=0.6 kN/mm"});
+  int rigid = 0;
+  for (const auto& e : d.hypotheses) {
+    if (!e.rigid) continue;
+    ++rigid;
+    for (const auto& wrong : e.wrong) EXPECT_LT(wrong.omega, base::two_pi * 200.0);
+  }
+  EXPECT_EQ(rigid, 1);
+}
+
+/// Modes of the nominal machine at another pose than they state: the pose is named, no part.
+TEST(Diagnose, NamesThePoseAtWhichTheNominalMachineHasTheModes) {
+  const auto file = stiff_file();
+  test::Random random(41);
+  auto targets = test::noisy_modes(file.machine, {"low"}, ModelKind::guide, {}, random);
+  for (auto& mode : targets.modes) mode.pose = "neutral";
+  const auto d = diagnose(file, targets, ModelKind::guide, file.machine.poses);
+  EXPECT_EQ(d.nominal_at, std::vector<std::string>{"low"});
+  EXPECT_THAT(report::note_words(d),
+              testing::Contains("the measured modes are those of the nominal machine at pose low; "
+                                "check the pose, which is stated as neutral"));
+}
+
+/// One frequency that the machine cannot have, and one mode that is written down twice.
+TEST(Diagnose, NamesTheModeThatDoesNotBelongToTheOthers) {
+  auto targets = measured({});
+  targets.modes[1].omega *= 1.7;
+  const auto d = diagnosis_of(targets);
+  EXPECT_TRUE(d.equivalent.empty());
+  EXPECT_EQ(d.odd_mode, 2);
+  EXPECT_TRUE(d.nominal_at.empty());
+  EXPECT_THAT(report::note_words(d),
+              testing::Contains(HasSubstr("the nominal machine explains the measurement; check "
+                                          "this mode")));
+  auto twice = measured({});
+  twice.modes.push_back(twice.modes.front());
+  twice.modes[1].omega *= 1.3;
+  EXPECT_THAT(report::note_words(diagnosis_of(twice)),
+              testing::Contains(HasSubstr("is listed twice (modes 1 and ")));
+  const auto good = diagnosis_of(measured({}));
+  EXPECT_EQ(good.odd_mode, 0);
+  EXPECT_TRUE(good.nominal_at.empty());
+}
+
 /// Seals made rigid: what is measured is the rigid machine.
 TEST(Diagnose, BlamesNothingWhereNothingIsWrong) {
   const auto d =

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <numbers>
 
 #include "support/published_machine.hpp"
@@ -62,6 +63,26 @@ TEST(CheckMachine, NamesAPistonOutsideItsStroke) {
                   "beyond its stroke from 0.4 m to 0.48 m; also leg 2"));
   machine.legs[2].stroke = model::Stroke{.retracted = 0.49, .length = 0.05};
   EXPECT_THAT(messages(machine), ElementsAre(testing::EndsWith(" m; also legs 2 and 3")));
+}
+
+/// Base and platform numbered from another leg on, or the one clockwise: some legs are far too
+/// long.
+TEST(CheckMachine, NamesTheOrderOfJointsInWhichAllLegsReach) {
+  const auto sound = published_machine();
+  const auto numbered = [&](std::array<std::size_t, 6> order) {
+    auto machine = sound;
+    for (std::size_t i = 0; i < 6; ++i) {
+      machine.legs[i].platform_joint = sound.legs[order[i]].platform_joint;
+      machine.legs[i].stroke = model::Stroke{.retracted = 0.3, .length = 0.25};
+    }
+    return messages(machine);
+  };
+  EXPECT_THAT(numbered({0, 1, 2, 3, 4, 5}), IsEmpty());
+  EXPECT_THAT(numbered({2, 3, 4, 5, 0, 1}),
+              ElementsAre(testing::HasSubstr("; all legs reach where the platform joints are taken "
+                                             "in the order 5, 6, 1, 2, 3, 4: are base and")));
+  EXPECT_THAT(numbered({5, 4, 3, 2, 1, 0}),
+              ElementsAre(testing::HasSubstr("in the order 6, 5, 4, 3, 2, 1: are base and")));
 }
 
 /// A leg that is too short has its sleeve and its joints in the wrong place for that reason.

@@ -135,6 +135,9 @@ TEST(PicturesOfRootLoci, HaveDampingRaysArrowsAndTheMachineOfToday) {
                             HasSubstr("set arrow from -1.2,20 to -1.3,20 head filled"),
                             HasSubstr("$today << "), HasSubstr("-1.05 20\n"),
                             HasSubstr("title 'today: 10.2'")));
+  // a cross in the plane that is no pole would look like one, right of the axis like an unstable
+  // one
+  EXPECT_THAT(script, AllOf(HasSubstr("set key at screen "), Not(HasSubstr("set key at graph "))));
   locus.today = {};
   EXPECT_THAT(script_of(draw), Not(HasSubstr("$today")));
 }

@@ -44,6 +44,16 @@ TEST(SystemPoles, OfOscillatorsSideBySide) {
                 1e-12);
 }
 
+/// A seal without a damper: the sign of what rounding leaves of its real part says nothing.
+TEST(SystemPoles, AnUndampedOscillationDoesNotGrow) {
+  for (const double rounding : {1e-13, -1e-13}) {
+    const auto found = system_poles(oscillators({{1596.0, rounding}, {4.7, 0.3}}));
+    EXPECT_TRUE(found.stable);
+    EXPECT_TRUE(found.sampled_stable);
+  }
+  EXPECT_FALSE(system_poles(oscillators({{1596.0, -1e-7}})).stable);
+}
+
 TEST(SystemPoles, RealOnesAreOneEach) {
   const auto found = system_poles(oscillators({{3.0, 1.25}}));  // −1.5 and −6
   ASSERT_EQ(found.poles.size(), 2U);
@@ -96,9 +106,9 @@ TEST(SystemPoles, EqualOnesShareTheirParticipation) {
 /// An integral that is switched off moves nothing: it is no pole at zero.
 TEST(SystemPoles, OfALoopWithoutIntegralAreStable) {
   for (const char* compensation : {"load", "none"}) {
-    const auto machine = machine_of("heavy-platform", {"controller.integral_time=0",
-                                                       std::string("controller.compensation=\"") +
-                                                           compensation + "\""});
+    const auto machine = machine_of(
+        "heavy-platform", {"controller.integral_time=0",
+                           std::string("controller.compensation=\"") + compensation + "\""});
     const auto poles = system_poles(linear_system(machine, machine.neutral()));
     EXPECT_TRUE(poles.stable);
     EXPECT_TRUE(poles.sampled_stable);

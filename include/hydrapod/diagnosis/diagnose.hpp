@@ -15,19 +15,19 @@
 /// many numbers as there are values explain any values: a hypothesis with so many is neither
 /// identified nor says how exact the data are. Theory: docs/theory/diagnosis.md.
 ///
-/// Causes are named changes of the model, each with numbers of its own. To add one, add its Kind and
-/// its maker in src/diagnosis/causes.cpp, and its words in src/report/diagnosis_words.cpp.
+/// Causes are named changes of the model, each with numbers of its own. To add one, add its Kind
+/// and its maker in src/diagnosis/causes.cpp, and its words in src/report/diagnosis_words.cpp.
 ///
-/// Shares of the compliances in each drop below the rigid-leg model. Each part is made rigid alone (seals a million times stiffer; gimbals and mount that do not give
-/// way) and the modes are computed again, gravity and preload included. Shares need not sum to one:
-/// two compliances in one leg do more together than either alone, and one leg alone stiffened
-/// breaks the symmetry.
+/// Shares of the compliances in each drop below the rigid-leg model. Each part is made rigid alone
+/// (seals a million times stiffer; gimbals and mount that do not give way) and the modes are
+/// computed again, gravity and preload included. Shares need not sum to one: two compliances in one
+/// leg do more together than either alone, and one leg alone stiffened breaks the symmetry.
 ///
-/// How stiff the guide sleeves must be. The sleeves of all legs are scaled by one factor. Where today's do not meet the goal, the
-/// smallest factor is wanted from which on everything stiffer meets it at every pose; where they
-/// do, how much softer they might be. It is found downwards from nearly rigid (or today's) sleeves
-/// in steps of a tenth of a decade to the first that is too soft, then by bisection, to 1e-6 of
-/// itself.
+/// How stiff the guide sleeves must be. The sleeves of all legs are scaled by one factor. Where
+/// today's do not meet the goal, the smallest factor is wanted from which on everything stiffer
+/// meets it at every pose; where they do, how much softer they might be. It is found downwards from
+/// nearly rigid (or today's) sleeves in steps of a tenth of a decade to the first that is too soft,
+/// then by bisection, to 1e-6 of itself.
 ///
 /// Results hold codes with data. Their words are made in `report`.
 
@@ -331,6 +331,8 @@ struct Diagnosis {
   double scatter{1.0};                ///< s
   /// Why judged() explains nothing; of the findings unexplained and do_not_belong.
   std::optional<Unexplained> unexplained{};
+  std::vector<std::string> nominal_at{};  ///< poses not measured at which it has these modes
+  int odd_mode{};  ///< from 1, the only one without which the nominal machine has all; 0: none
   bool interrupted{};
 
   [[nodiscard]] const Hypothesis& best() const { return hypotheses.front(); }
@@ -479,8 +481,7 @@ inline constexpr double least_probability = 0.01, least_probability_of_pair = 0.
 inline constexpr double over_unlisted = 2.0 * same;
 /// Frequencies − numbers < tested_by: as many numbers as frequencies, or one less, meet any.
 inline constexpr int tested_by = 2;
-/// Probability of the nominal machine's frequencies ≥ usual_frequencies: they are those stated. A
-/// larger χ² is chance one time in ten.
+/// Probability from which on values are those of the nominal machine; χ² beyond is 1 chance in 10.
 inline constexpr double usual_frequencies = 0.1;
 
 /// BIC of a cause that is no candidate: it moves every value of a kind by an amount of its own,
@@ -493,8 +494,7 @@ inline constexpr double usual_frequencies = 0.1;
 /// more than chance does.
 double unlisted_bic(const Diagnosis& d);
 
-/// s² as it comes out, below 1 too: where deviations are right about 1, where the model is better
-/// than its stated uncertainty less. 0 where nothing has more values than numbers.
+/// s² as it comes out, below 1 too; 0 where nothing has more values than numbers.
 double raw_scatter2(const Diagnosis& d);
 
 }  // namespace hydrapod::diagnosis
