@@ -177,8 +177,9 @@ struct ResponseWarning {
                      ///< so are `count` of `total` outputs, each by its own factor
     lines_zero,      ///< at count, of total, a response is exactly 0, that of `channel` to `other`
                      ///< most often: these were left out
-    two_sided  ///< count, of total, lines above `value` [Hz], half the sample rate, are conjugates
-               ///< of those below in reverse: left out
+    two_sided,       ///< count, of total, lines above `value` [Hz], half the sample rate, are
+                     ///< conjugates of those below in reverse: left out
+    input_changed,   ///< as sensor_changed, of the input `channel` and `count` of `total` inputs
   };
   Kind kind{};
   std::string channel{}, other{};
