@@ -115,6 +115,11 @@ std::string two_clocks_text(const data::ResponseWarning& w) {
 }
 
 std::string short_text(const data::ResponseWarning& w) {
+  if (w.total == 0)
+    return fmt::format(
+        "the excitation is a sweep, which blocks of {:.3g} s would cut into pieces: modes are "
+        "estimated from the whole record at once, by a parametric model of its spectra",
+        w.share);
   return fmt::format(
       "the record is short: {:.4g} s hold {} of the {} blocks of {:.3g} s that averages need; "
       "modes "

@@ -179,6 +179,15 @@ TEST(IdentificationWords, WhereAllOutputsChangedAnInputMayHave) {
               testing::HasSubstr("(3 of 3 outputs changed, or an input): its part"));
 }
 
+TEST(IdentificationWords, ASweepIsNoShortRecord) {
+  EXPECT_EQ(warning_text({.kind = data::ResponseWarning::Kind::short_record,
+                          .value = 120.0,
+                          .share = 32.0,
+                          .count = 3}),
+            "the excitation is a sweep, which blocks of 32 s would cut into pieces: modes are "
+            "estimated from the whole record at once, by a parametric model of its spectra");
+}
+
 TEST(IdentificationWords, WhereAllInputsChangedOutputsMayHave) {
   data::ResponseWarning warning{.kind = data::ResponseWarning::Kind::input_changed,
                                 .channel = "f2",

@@ -168,7 +168,8 @@ struct ResponseWarning {
                      ///< to either side; spectra from `lowest` to `highest` [Hz] are left out for
                      ///< it
     short_record,    ///< modes are those of the record in one piece: it has `value` [s], `count`
-                     ///< blocks of `share` [s] side by side, and averages need `total`
+                     ///< blocks of `share` [s] side by side, and averages need `total`; 0: the
+                     ///< excitation is a sweep
     feedback,  ///< inputs follow outputs: these explain `share` of what the inputs' past does not
     motion_input,    ///< `count` of `total` inputs, the first `channel`, are motions that were
                      ///< measured: poles are those of the machine with these held
