@@ -1,6 +1,8 @@
 #include "beginning.hpp"
 
 #include <algorithm>
+#include <bit>
+#include <cmath>
 
 #include "bridge.hpp"
 #include "hydrapod/numerics/fft.hpp"
@@ -9,8 +11,8 @@ namespace hydrapod::identification {
 
 Beginning::Beginning(data::RecordSet& records, const ChannelChoice& choice, std::int64_t settling)
     : records_(records), settling_(settling) {
-  for (const auto* list : {&choice.inputs, &choice.instruments})
-    if (!list->empty()) samples_[list->front()];
+  for (const int input : choice.inputs) samples_[input];
+  if (!choice.instruments.empty()) samples_[choice.instruments.front()];
 }
 
 VectorXd Beginning::of(int channel) {
@@ -22,6 +24,7 @@ VectorXd Beginning::of(int channel) {
 void Beginning::read() {
   constexpr std::int64_t most = 1 << 20;
   std::int64_t seen = 0, taken = 0;
+  whole_ = true;
   records_.stream([&](std::size_t file, const Eigen::Ref<const data::Samples>& block) {
     if (file > 0) return false;
     const Index first = std::clamp<std::int64_t>(settling_ - seen, 0, block.rows()),
@@ -30,7 +33,8 @@ void Beginning::read() {
       for (Index k = first; k < first + count; ++k) samples.push_back(block(k, channel));
     seen += block.rows();
     taken += count;
-    return taken < most;
+    whole_ = taken < most;
+    return whole_;
   });
   read_ = true;
 }
@@ -51,6 +55,76 @@ std::int64_t excitation_period(const data::RecordSet& records, const ChannelChoi
     if (const auto period = find_period(beginning.of(choice.instruments[0])); period > 0)
       return period;
   return find_period(beginning.of(choice.inputs[0]));
+}
+
+namespace {
+
+/// |X|² of sections side by side, sections × lines.
+MatrixXd power_of_sections(const VectorXd& x, int block) {
+  const Index sections = x.size() / block;
+  const VectorXd window = window_samples(Window::hann, block);
+  numerics::RealFft fft(block);
+  std::vector<Complex> lines(static_cast<std::size_t>(fft.lines()));
+  MatrixXd power(sections, fft.lines());
+  for (Index t = 0; t < sections; ++t) {
+    const VectorXd part = x.segment(t * block, block);
+    const VectorXd windowed = window.cwiseProduct(part - VectorXd::Constant(block, part.mean()));
+    fft.forward({windowed.data(), static_cast<std::size_t>(block)}, lines);
+    for (Index k = 0; k < power.cols(); ++k)
+      power(t, k) = std::norm(lines[static_cast<std::size_t>(k)]);
+  }
+  return power;
+}
+
+/// The same in bands of equal power, sum 1.
+MatrixXd in_equal_bands(const MatrixXd& power, int bands) {
+  const double total = power.sum();
+  MatrixXd sums = MatrixXd::Zero(power.rows(), bands);
+  double below = 0.0;
+  for (Index k = 0; k < power.cols(); ++k) {
+    const double own = power.col(k).sum();
+    const auto band = static_cast<Index>(bands * (below + 0.5 * own) / total);
+    sums.col(std::clamp<Index>(band, 0, bands - 1)) += power.col(k) / total;
+    below += own;
+  }
+  return sums;
+}
+
+double entropy(const VectorXd& share) {
+  double sum = 0.0;
+  for (const double p : share)
+    if (p > 0.0) sum -= p * std::log(p);
+  return sum;
+}
+
+}  // namespace
+
+std::optional<Swept> sweep_in(const VectorXd& samples, double sample_rate,
+                              const SweepRules& rules) {
+  constexpr unsigned shortest = 32;  // samples of a section
+  const auto longest = static_cast<unsigned>(samples.size() / rules.sections);
+  if (longest < shortest) return {};
+  const auto block = static_cast<int>(std::bit_floor(longest));
+  const MatrixXd power = power_of_sections(bridged(samples), block);
+  if (!(power.sum() > 0.0) || !power.allFinite()) return {};
+  const MatrixXd p = in_equal_bands(power, rules.bands);
+  const VectorXd of_time = p.rowwise().sum();
+  const double E_t = entropy(of_time), E_f = entropy(p.colwise().sum().transpose());
+  const double told = E_t + E_f - entropy(p.reshaped());
+  const double least = std::log(rules.fewest);
+  if (E_t < least || E_f < least || !(told > rules.tells * std::min(E_t, E_f))) return {};
+  const double spacing = sample_rate / block;
+  Swept swept{0.5 * sample_rate, 0.0};
+  for (Index t = 0; t < power.rows(); ++t) {
+    if (!(of_time[t] > rules.heard * of_time.mean())) continue;
+    const double largest = power.row(t).maxCoeff();
+    for (Index k = 0; k < power.cols(); ++k) {
+      if (!(power(t, k) > rules.edge * largest)) continue;
+      swept.from = std::min(swept.from, spacing * static_cast<double>(k));
+      swept.to = std::max(swept.to, spacing * static_cast<double>(k));
+    }
+  }
+  return swept;
 }
 
 bool fills_band(const VectorXd& samples, int block, const FilledBand& options) {

@@ -25,4 +25,11 @@ void each_record(data::RecordSet& records, const Measurement& measured,
                  const std::function<void(std::size_t record, CrossSpectra&& spectra,
                                           const ChannelChoice& choice, Estimator estimator)>& take);
 
+/// The groups of measure_groups() in blocks of another length, also of a record that is identified
+/// in one piece.
+GroupedSpectra measure_groups_in_blocks(data::RecordSet& records, const Measurement& measured,
+                                        const MeasureOptions& options, int block_length, int groups,
+                                        const numerics::Progress& progress,
+                                        std::optional<double> highest);
+
 }  // namespace hydrapod::identification

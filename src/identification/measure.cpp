@@ -302,6 +302,18 @@ GroupedSpectra measure_groups(data::RecordSet& records, const Measurement& measu
   return read_groups(records, reading_of_blocks(measured), options, groups, progress, highest);
 }
 
+GroupedSpectra measure_groups_in_blocks(data::RecordSet& records, const Measurement& measured,
+                                        const MeasureOptions& options, int block_length, int groups,
+                                        const numerics::Progress& progress,
+                                        std::optional<double> highest) {
+  if (measured.reading == nullptr)
+    throw base::ComputationError("there are no blocks: each record is a single hit");
+  refuse_periods(*measured.reading);
+  Reading reading = *measured.reading;
+  reading.spectrum.block_length = block_length;
+  return read_groups(records, reading, options, groups, progress, highest);
+}
+
 void each_group(data::RecordSet& records, const Measurement& measured,
                 const MeasureOptions& options, int groups, const numerics::Progress& progress,
                 std::optional<double> highest, const TakeGroup& take) {

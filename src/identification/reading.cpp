@@ -33,9 +33,24 @@ std::int64_t period_to_use(data::RecordSet& records, const Plan& plan,
   return period % 2 == 0 ? period : 2 * period;  // blocks have an even length
 }
 
+/// Of inputs of H1. Where other records follow, or the record goes on, they may pass all.
+std::optional<Swept> sweep_of(const data::RecordSet& records, const Plan& plan,
+                              Beginning& beginning) {
+  if (plan.estimator != Estimator::h1) return {};
+  const double rate = records.header().sample_rate;
+  std::optional<Swept> all;
+  for (const int input : plan.choice.inputs) {
+    const auto own = sweep_in(beginning.of(input), rate);
+    if (own && all) all = Swept{std::min(all->from, own->from), std::max(all->to, own->to)};
+    if (own && !all) all = own;
+  }
+  if (all && (records.files().size() > 1 || !beginning.is_whole())) all = Swept{0.0, 0.5 * rate};
+  return all;
+}
+
 SpectrumOptions spectrum_options(data::RecordSet& records, const Plan& plan,
                                  const MeasureOptions& options, std::int64_t shortest,
-                                 Beginning& beginning) {
+                                 Beginning& beginning, std::optional<Swept>& sweep) {
   SpectrumOptions o{.window = options.window};
   if (options.overlap)
     o.overlap = *options.overlap;
@@ -49,10 +64,12 @@ SpectrumOptions spectrum_options(data::RecordSet& records, const Plan& plan,
     return o;
   }
   o.block_length = block_to_use(records, plan, options, shortest);
+  sweep = sweep_of(records, plan, beginning);
   // then all samples weigh the same at every lag: a sweep is not cut into pieces
-  if (!options.overlap && o.window != Window::rectangular &&
+  const bool leaves_gaps =
       plan.estimator == Estimator::instrumental &&
-      !fills_band(beginning.of(plan.choice.instruments[0]), o.block_length, options.filled))
+      !fills_band(beginning.of(plan.choice.instruments[0]), o.block_length, options.filled);
+  if (!options.overlap && o.window != Window::rectangular && (leaves_gaps || sweep))
     o.overlap = 0.75;
   return o;
 }
@@ -85,7 +102,7 @@ Reading plan_reading(data::RecordSet& records, Plan& plan, const MeasureOptions&
         records.files()[0],
         fmt::format("{:g} s are left out as settling, and the record has {:g} s", options.settling,
                     static_cast<double>(shortest) / records.header().sample_rate));
-  reading.spectrum = spectrum_options(records, plan, options, shortest, beginning);
+  reading.spectrum = spectrum_options(records, plan, options, shortest, beginning, reading.sweep);
   reading.used = used_channels(plan.choice);
   reading.plan = plan;
   reading.spectrum.inputs =

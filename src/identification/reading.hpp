@@ -27,6 +27,7 @@ struct Reading {
   std::shared_ptr<const GapModel> gaps{};   ///< none: samples are taken as they are
   std::vector<Tone> tones{};                ///< that are subtracted
   std::optional<ClockDifference> clocks{};  ///< by which outputs are corrected
+  std::optional<Swept> sweep{};  ///< where the excitation is one: all that the inputs pass
 };
 
 struct Streamed {
@@ -49,8 +50,8 @@ Streamed stream_read(data::RecordSet& records, const Reading& reading,
                      const std::function<void(std::size_t)>& begin,
                      const std::function<void(const Eigen::Ref<const data::Samples>&)>& add);
 
-/// Reads all files into m.spectra. Where samples are missing they are filled, and where outputs have
-/// another clock than inputs they are brought to theirs; it is said.
+/// Reads all files into m.spectra. Where samples are missing they are filled, and where outputs
+/// have another clock than inputs they are brought to theirs; it is said.
 void read_spectra(data::RecordSet& records, Reading& reading, const numerics::Progress& progress,
                   Measurement& m);
 

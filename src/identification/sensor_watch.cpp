@@ -22,9 +22,30 @@ std::optional<std::size_t> line_at(const FrequencyResponses& r, double frequency
   return static_cast<std::size_t>(at - r.frequency.begin());
 }
 
-/// Of a row of responses as a column.
-MatrixXcd row_covariance(const FrequencyResponses& r, std::size_t line, Index output) {
-  return r.noise[line](output, output).real() * r.input_factor[line].transpose();
+/// A row of responses as a column, or a column, and its covariance.
+struct PartOfLine {
+  VectorXcd values{};
+  MatrixXcd covariance{};
+};
+
+PartOfLine row_at(const FrequencyResponses& r, std::size_t line, Index output) {
+  return {r.H[line].row(output).transpose(),
+          r.noise[line](output, output).real() * r.input_factor[line].transpose()};
+}
+
+/// `weight`: per output.
+PartOfLine column_at(const FrequencyResponses& r, std::size_t line, Index input,
+                     const VectorXd& weight) {
+  return {weight.cwiseProduct(r.H[line].col(input)),
+          r.input_factor[line](input, input).real() *
+              MatrixXcd(weight.asDiagonal() * r.noise[line] * weight.asDiagonal())};
+}
+
+/// Per output, 1 by its size.
+VectorXd weight_of(const FrequencyResponses& r) {
+  VectorXd power = VectorXd::Zero(std::ssize(r.outputs));
+  for (const auto& H : r.H) power += H.rowwise().squaredNorm();
+  return power.cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
 }
 
 /// `least`: of the density in the whole, per input.
@@ -87,7 +108,10 @@ std::vector<std::size_t> largest_agreement(const std::vector<double>& values, do
 }  // namespace
 
 SensorWatch::Ratio SensorWatch::ratio_of(const FrequencyResponses& part, const VectorXd& level,
-                                         Index output) const {
+                                         Side side, Index channel) const {
+  const auto at = [&](const FrequencyResponses& r, std::size_t line) {
+    return side == Side::outputs ? row_at(r, line, channel) : column_at(r, line, channel, weight_);
+  };
   const VectorXd least = options_.least_excitation * level,
                  least_of_first = options_.least_excitation * level_of_first_;
   double hh = 0.0, gg = 0.0, hg = 0.0;
@@ -98,10 +122,8 @@ SensorWatch::Ratio SensorWatch::ratio_of(const FrequencyResponses& part, const V
     if (!other || !of_whole || !is_excited(*first_, k, whole_, *of_whole, least_of_first) ||
         !is_excited(part, *other, whole_, *of_whole, least))
       continue;
-    const VectorXcd h = first_->H[k].row(output).transpose(),
-                    g = part.H[*other].row(output).transpose();
-    const MatrixXcd of_h = row_covariance(*first_, k, output),
-                    of_g = row_covariance(part, *other, output);
+    const auto [h, of_h] = at(*first_, k);
+    const auto [g, of_g] = at(part, *other);
     MatrixXcd M = of_h + of_g;
     M.diagonal().array() += std::pow(options_.finest, 2) * (h.squaredNorm() + g.squaredNorm());
     const Eigen::LLT<MatrixXcd> solver(M);
@@ -113,12 +135,14 @@ SensorWatch::Ratio SensorWatch::ratio_of(const FrequencyResponses& part, const V
     ++lines;
   }
   constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-  if (lines < options_.fewest_lines || !(hh > 0.0) || !(gg > 0.0)) return {unknown, unknown, 0.0};
-  const double numbers = static_cast<double>(lines) * static_cast<double>(part.inputs.size());
+  if (lines < options_.fewest_lines || !(hh > 0.0) || !(gg > 0.0))
+    return {unknown, unknown, 0.0, 0.0};
+  const auto entries = side == Side::outputs ? part.inputs.size() : part.outputs.size();
+  const double numbers = static_cast<double>(lines) * static_cast<double>(entries);
   const double variance =
       lines_in_step(part) *
       (0.5 / hh + 0.5 / gg + 0.25 * numbers * (1.0 / (hh * hh) + 1.0 / (gg * gg)));
-  return {std::copysign(std::sqrt(gg / hh), hg), std::sqrt(variance), hg / std::sqrt(hh * gg)};
+  return {std::copysign(std::sqrt(gg / hh), hg), std::sqrt(variance), hg / std::sqrt(hh * gg), hh};
 }
 
 void SensorWatch::add(const FrequencyResponses& part, std::size_t label) {
@@ -127,22 +151,27 @@ void SensorWatch::add(const FrequencyResponses& part, std::size_t label) {
     return;
   const auto in_band = within(part, whole_.frequency.front(), whole_.frequency.back());
   const VectorXd level = level_of(in_band, whole_, options_.lowest_level);
-  std::vector<Ratio> ratios(part.outputs.size(), Ratio{1.0, 0.0, 1.0});
+  const Ratio same{1.0, 0.0, 1.0, 0.0};
+  std::vector<Ratio> outputs(part.outputs.size(), same), inputs(part.inputs.size(), same);
   if (first_) {
-    for (std::size_t o = 0; o < ratios.size(); ++o)
-      ratios[o] = ratio_of(in_band, level, static_cast<Index>(o));
+    for (std::size_t o = 0; o < outputs.size(); ++o)
+      outputs[o] = ratio_of(in_band, level, Side::outputs, static_cast<Index>(o));
+    for (std::size_t i = 0; i < inputs.size(); ++i)
+      inputs[i] = ratio_of(in_band, level, Side::inputs, static_cast<Index>(i));
   } else {
     first_ = in_band;
     level_of_first_ = level;
+    weight_ = weight_of(in_band);
   }
-  parts_.push_back(std::move(ratios));
+  of_outputs_.push_back(std::move(outputs));
+  of_inputs_.push_back(std::move(inputs));
   labels_.push_back(label);
 }
 
 /// Each by what most parts say. A part within which the sensor changed says what neither side of it
 /// does, so that a median of all parts may be that of nobody.
-std::vector<std::vector<SensorWatch::Ratio>> SensorWatch::against_most() const {
-  auto all = parts_;
+SensorWatch::Ratios SensorWatch::against_most(Side side) const {
+  auto all = side == Side::outputs ? of_outputs_ : of_inputs_;
   for (std::size_t o = 0; o < all[0].size(); ++o) {
     std::vector<double> known, deviations, right_ones;
     for (const auto& part : all) {
@@ -165,8 +194,8 @@ std::vector<std::vector<SensorWatch::Ratio>> SensorWatch::against_most() const {
   return all;
 }
 
-void SensorWatch::look_at(std::size_t part, const std::vector<Ratio>& ratios, double largest,
-                          std::vector<Change>& changes) const {
+void SensorWatch::look_at(std::size_t part, const std::vector<Ratio>& ratios, Side side,
+                          double largest, std::vector<Change>& changes) const {
   std::vector<double> gains;
   for (const auto& ratio : ratios)
     if (std::isfinite(ratio.alpha)) gains.push_back(std::abs(ratio.alpha));
@@ -177,6 +206,13 @@ void SensorWatch::look_at(std::size_t part, const std::vector<Ratio>& ratios, do
   double common = middle_of(gains);
   const bool have_one = std::ranges::none_of(gains, [&](double g) { return differs(g / common); });
   if (!have_one && std::abs(std::log(common)) > std::log(options_.common)) common = 1.0;
+  const bool is_input = side == Side::inputs;
+  const auto is_gain = [&](const Ratio& ratio) {
+    const double of_damping = 1.0 - 1.0 / std::cosh(std::log(std::abs(ratio.alpha)));
+    return 1.0 - std::abs(ratio.likeness) < options_.pure * of_damping;
+  };
+  const bool is_only_input = is_input && ratios.size() == 1;
+  if (is_only_input) common = 1.0;
   for (std::size_t o = 0; o < ratios.size(); ++o) {
     const auto& ratio = ratios[o];
     if (!std::isfinite(ratio.alpha)) continue;
@@ -184,32 +220,70 @@ void SensorWatch::look_at(std::size_t part, const std::vector<Ratio>& ratios, do
     const bool turned =
         ratio.alpha < 0.0 && ratio.likeness < -options_.opposite && ratio.deviation * largest < 1.0;
     const bool scaled = std::abs(ratio.likeness) > options_.alike && differs(gain) &&
-                        std::abs(std::log(gain)) > largest * ratio.deviation;
-    if (turned || scaled)
-      changes.push_back({labels_[part], static_cast<Index>(o), std::copysign(gain, ratio.alpha), 0,
-                         ratio.deviation});
+                        std::abs(std::log(gain)) > largest * ratio.deviation &&
+                        (!is_only_input || is_gain(ratio));
+    if (!turned && !scaled) continue;
+    const double factor = std::copysign(gain, ratio.alpha);
+    changes.push_back({labels_[part], is_input, static_cast<Index>(o),
+                       is_input ? 1.0 / factor : factor, 0, ratio.deviation});
   }
 }
 
+SensorWatch::Found SensorWatch::find(Side side, double largest) const {
+  Found found;
+  const auto all = against_most(side);
+  double left = 0.0, total = 0.0;
+  for (std::size_t part = 0; part < all.size(); ++part) {
+    const std::size_t before = found.changes.size();
+    look_at(part, all[part], side, largest, found.changes);
+    std::vector<char> changed(all[part].size());
+    for (std::size_t k = before; k < found.changes.size(); ++k)
+      changed[static_cast<std::size_t>(found.changes[k].channel)] = 1;
+    for (std::size_t c = 0; c < changed.size(); ++c) {
+      const auto& r = all[part][c];
+      if (!std::isfinite(r.alpha)) continue;
+      const double squares = 1.0 + r.alpha * r.alpha;
+      left += r.size * (changed[c] ? 2.0 * r.alpha * r.alpha * (1.0 - std::abs(r.likeness))
+                                   : squares - 2.0 * r.likeness * std::abs(r.alpha));
+      total += r.size * squares;
+    }
+  }
+  found.left = left / std::max(total, 1e-300);
+  return found;
+}
+
+namespace {
+
+std::int64_t channels_in(const std::vector<SensorWatch::Change>& changes) {
+  std::vector<Index> channels;
+  for (const auto& change : changes) channels.push_back(change.channel);
+  std::ranges::sort(channels);
+  return std::unique(channels.begin(), channels.end()) - channels.begin();
+}
+
+}  // namespace
+
 std::optional<SensorWatch::Change> SensorWatch::result() const {
-  if (parts_.size() < 2) return {};
-  const double tests = static_cast<double>(parts_.size() * parts_[0].size());
+  if (labels_.size() < 2) return {};
+  const double tests =
+      static_cast<double>(labels_.size() * (whole_.outputs.size() + whole_.inputs.size()));
   const double largest =
       std::sqrt(numerics::chi_squared_quantile(1.0 - options_.chance / tests, 1));
-  std::vector<Change> changes;
-  const auto all = against_most();
-  for (std::size_t part = 0; part < all.size(); ++part) look_at(part, all[part], largest, changes);
-  if (changes.empty()) return {};
+  const auto outputs = find(Side::outputs, largest), inputs = find(Side::inputs, largest);
+  if (outputs.changes.empty() && inputs.changes.empty()) return {};
+  const auto of_outputs = channels_in(outputs.changes), of_inputs = channels_in(inputs.changes);
+  const bool alike = std::abs(inputs.left - outputs.left) < options_.as_good;
+  const bool is_input =
+      of_outputs == 0 ||
+      (of_inputs > 0 && (alike ? of_inputs < of_outputs : inputs.left < outputs.left));
   // another sign is further than any gain; of such, a part with both signs in it is the uncertain
   // one
-  Change worst = *std::ranges::max_element(changes, {}, [](const Change& c) {
-    const bool turned = c.factor < 0.0;
-    return std::pair(turned, turned ? -c.deviation : std::abs(std::log(c.factor)));
-  });
-  std::vector<Index> outputs;
-  for (const auto& change : changes) outputs.push_back(change.output);
-  std::ranges::sort(outputs);
-  worst.outputs = std::unique(outputs.begin(), outputs.end()) - outputs.begin();
+  Change worst = *std::ranges::max_element(
+      is_input ? inputs.changes : outputs.changes, {}, [](const Change& c) {
+        const bool turned = c.factor < 0.0;
+        return std::pair(turned, turned ? -c.deviation : std::abs(std::log(c.factor)));
+      });
+  worst.changed = is_input ? of_inputs : of_outputs;
   return worst;
 }
 

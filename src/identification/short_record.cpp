@@ -87,10 +87,16 @@ double highest_pole(const TimeModel& m, const IdentifyOptions& options) {
 }
 
 /// In the band where the outputs are heard, narrowed while all poles are in its lower part.
-TimeModel model_in_best_band(const Signals& signals, const IdentifyOptions& options) {
+TimeModel model_in_best_band(const Signals& signals, const std::optional<Swept>& sweep,
+                             const IdentifyOptions& options) {
   const double most = options.record.nyquist_room * 0.5 * signals.sample_rate;
-  const double heard = audible_end(signals, options.record.audible_chance).value_or(most);
-  Band band{options.from.value_or(0.0), std::min(most, options.band.fit_room * heard)};
+  Band band{options.from.value_or(0.0), most};
+  if (sweep && sweep->from > 0.0) {  // where it passes all is heard, and elsewhere nothing
+    band = {options.from.value_or(sweep->from), std::min(most, sweep->to)};
+  } else {
+    const double heard = audible_end(signals, options.record.audible_chance).value_or(most);
+    band.to = std::min(most, options.band.fit_room * heard);
+  }
   if (options.to) band.to = std::min(*options.to, most);
   TimeModel m = time_model(signals, band, options);
   for (int round = 0; !options.to && round < options.band.rounds; ++round) {
@@ -145,14 +151,15 @@ std::optional<Feedback> feedback_of(const Signals& signals, const FewBlocks& rul
 }
 
 /// Are averages the better choice unasked: lines are many, and blocks enough for any?
-bool takes_long(const Signals& signals, const BlockCount& blocks, std::size_t inputs,
+bool takes_long(const Signals& signals, const BlockCount& blocks, std::size_t inputs, bool is_sweep,
                 const MeasureOptions& options) {
   if (options.whole_record || blocks.fit < fewest_blocks(inputs) - 1.0) return false;
   const RecordOptions rules;
   const double nyquist = 0.5 * signals.sample_rate;
   const double heard = audible_end(signals, rules.audible_chance).value_or(nyquist);
   const double duration = static_cast<double>(signals.samples()) / signals.sample_rate;
-  return duration * std::min(nyquist, heard) > options.few_blocks.few_lines;
+  return duration * std::min(nyquist, heard) >
+         (is_sweep ? SweepRules().most_lines : options.few_blocks.few_lines);
 }
 
 /// Is the record one of a loop? Asked of excitations too: what is called so by its name and unit
@@ -218,7 +225,7 @@ std::optional<BlockCount> too_few_blocks(const data::RecordSet& records, const R
       reading.total - reading.settling * static_cast<std::int64_t>(records.files().size()));
   const BlockCount blocks{left / static_cast<double>(reading.spectrum.block_length),
                           options.few_blocks.fewest * fewest_blocks(plan.choice.inputs.size())};
-  if (blocks.fit >= blocks.needed) return {};
+  if (blocks.fit >= blocks.needed && !reading.sweep) return {};
   if (plan.estimator == Estimator::instrumental && !options.whole_record) return {};
   if (plan.estimator == Estimator::instrumental)
     throw base::ComputationError(
@@ -242,7 +249,8 @@ bool keep_short_record(data::RecordSet& records, const Reading& reading, const B
     record->signals.pieces.push_back(piece_of(brought, alive));
   }
   record->signals = detrended(std::move(record->signals));
-  if (takes_long(record->signals, blocks, alive.inputs.size(), options)) return false;
+  if (takes_long(record->signals, blocks, alive.inputs.size(), reading.sweep.has_value(), options))
+    return false;
   if (const auto loop = loop_of(record->signals, r.inputs, options)) {
     m.responses.warnings.push_back(
         {.kind = Kind::feedback, .share = loop->share, .estimator = reading.plan.estimator});
@@ -258,7 +266,10 @@ bool keep_short_record(data::RecordSet& records, const Reading& reading, const B
        .value = duration,
        .share = static_cast<double>(reading.spectrum.block_length) / m.header.sample_rate,
        .count = static_cast<std::int64_t>(blocks.fit),
-       .total = static_cast<std::int64_t>(std::ceil(blocks.needed))});
+       .total = reading.sweep ? 0 : static_cast<std::int64_t>(std::ceil(blocks.needed))});
+  if (const auto& sweep = reading.sweep; sweep && sweep->from > 0.0)
+    r.warnings.push_back({.kind = Kind::excited_band, .lowest = sweep->from, .highest = sweep->to});
+  record->sweep = reading.sweep;
   choice = std::move(alive);
   m.responses = std::move(r);
   m.record = std::move(record);
@@ -292,7 +303,7 @@ Identification identify_modes(const Measurement& measurement, const IdentifyOpti
   const auto& record = *measurement.record;
   const auto& rules = options.record;
   Identification result;
-  const TimeModel m = model_in_best_band(record.signals, options);
+  const TimeModel m = model_in_best_band(record.signals, record.sweep, options);
   if (progress) progress(0.3);
   const auto lines = lines_in_band(record.signals, m.band.from, m.band.to, m.model);
   refuse_few_numbers(lines, m.band, options);

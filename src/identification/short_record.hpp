@@ -8,6 +8,10 @@
 /// and the model fitted anew. Its clusters of poles begin the fit of the modal model to the spectra
 /// of the whole record (record_fit.hpp).
 ///
+/// Sweeps. In blocks a resonance is excited while the window rises or falls, and what it makes of
+/// damping does not average out. The record in one piece has no window: its modes are asked for
+/// however many blocks there are, in the band that the inputs pass.
+///
 /// Feedback. Inputs must not hold the outputs' noise. Where the innovations of
 /// a model of the inputs from their own past are smaller with the outputs' past besides, the inputs
 /// follow the outputs (Granger). That is asked of channels that are not excitations by their role:
@@ -25,6 +29,7 @@ namespace hydrapod::identification {
 
 struct ShortRecord {
   Signals signals{};
+  std::optional<Swept> sweep{};
 };
 
 /// [blocks], side by side, of the length that would be chosen, and how many it takes.
@@ -35,7 +40,7 @@ struct BlockCount {
 /// Do the options say how blocks are to be averaged?
 bool asks_for_blocks(const MeasureOptions& options);
 
-/// None: the options say how blocks are to be averaged, or there are enough.
+/// None: the options say how blocks are to be averaged, or there are enough and no sweep.
 std::optional<BlockCount> too_few_blocks(const data::RecordSet& records, const Reading& reading,
                                          const MeasureOptions& options);
 

@@ -186,8 +186,33 @@ class ClockLikelihood {
     rho /= power_.array().max(1e-300);
     return -count_ * (1.0 - rho.min(1.0 - 1e-9)).log();
   }
+  /// L(0) of entries that change their sign once in each record where that says more: a cable that
+  /// was turned round is no clock.
+  [[nodiscard]] Eigen::ArrayXXd turned_once() const {
+    Eigen::ArrayXXd rho = Eigen::ArrayXXd::Zero(power_.rows(), power_.cols());
+    for (const auto& record : records_) {
+      if (record.C.empty()) continue;
+      MatrixXcd sum = MatrixXcd::Zero(power_.rows(), power_.cols());
+      for (const auto& C : record.C) sum += C;
+      Eigen::ArrayXXd best = sum.cwiseAbs2();
+      for (const auto& C : record.C) {
+        sum -= 2.0 * C;
+        const Eigen::ArrayXXd turned = sum.cwiseAbs2();
+        for (Index e = 0; e < best.rows(); ++e)
+          if (weighted(turned, e) > weighted(best, e)) best.row(e) = turned.row(e);
+      }
+      rho += best / static_cast<double>(record.C.size());
+    }
+    rho /= power_.array().max(1e-300);
+    return -count_ * (1.0 - rho.min(1.0 - 1e-9)).log();
+  }
 
  private:
+  /// Of an entry over lines, each by its power.
+  [[nodiscard]] double weighted(const Eigen::ArrayXXd& squares, Index entry) const {
+    return (squares.row(entry) / power_.row(entry).array().max(1e-300)).sum();
+  }
+
   /// |Σ_g C_g e^(iθg)|²/G of an entry at θ = k · `turn`.
   static void add_at_steps(const Parts& record, Index entry, Index line, double turn,
                            Eigen::Ref<Eigen::ArrayXd> rho) {
@@ -315,8 +340,13 @@ std::optional<ClockDifference> ClockSearch::result() const {
   const auto some = some_entries(parts.parts(), enough);
   const double ratio = best_ratio(ClockLikelihood(some, plan, rate), plan, options);
   if (ratio == 0.0) return {};
-  const Eigen::ArrayXXd gain = likelihood(ratio) - likelihood(0.0);
-  const Eigen::RowVectorXd by_line = gain.colwise().mean().matrix();
+  const Eigen::ArrayXXd of_clock = likelihood(ratio), as_it_is = likelihood(0.0),
+                        gain = of_clock - as_it_is;
+  Eigen::ArrayXXd over_turn = of_clock - likelihood.turned_once();
+  for (Index e = 0; e < gain.rows(); ++e)
+    if (!((gain.row(e) - over_turn.row(e)).sum() > options.evidence))
+      over_turn.row(e) = gain.row(e);
+  const Eigen::RowVectorXd by_line = over_turn.colwise().mean().matrix();
   // at the end of what is tried it is none of a clock
   if (std::abs(ratio) > 0.99 * options.most || !(gain_of_others(by_line) > options.evidence))
     return {};

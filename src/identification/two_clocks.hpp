@@ -12,7 +12,9 @@
 ///
 ///     L(ε) = −G Σ ln(1 − ρ²),   ρ = |Σ_g C_g e^(iωεt_g)|/√(G Σ_g |C_g|²),
 ///
-/// over lines, outputs and inputs. Where L(ε) says so the outputs are brought to the clock of the
+/// over lines, outputs and inputs. L(0) is that of entries which may change their sign once, where
+/// that gains more than `evidence`: the phases of a cable that was turned round turn too, and not
+/// in proportion to the frequency. Where L(ε) says so the outputs are brought to the clock of the
 /// inputs (data::Resampler), before spectra are formed.
 
 #include <functional>

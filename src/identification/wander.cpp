@@ -11,8 +11,10 @@
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/numerics/statistics.hpp"
 #include "names.hpp"
+#include "reading.hpp"
 #include "refit.hpp"
 #include "sensor_watch.hpp"
+#include "short_record.hpp"
 
 namespace hydrapod::identification {
 
@@ -144,11 +146,23 @@ Spread spread_of(const VectorXd& values, const VectorXd& deviations) {
 namespace {
 
 data::ResponseWarning warning_of(const SensorWatch::Change& change, const FrequencyResponses& r) {
-  return {.kind = data::ResponseWarning::Kind::sensor_changed,
-          .channel = r.outputs[static_cast<std::size_t>(change.output)].name,
+  using Kind = data::ResponseWarning::Kind;
+  const auto& channels = change.is_input ? r.inputs : r.outputs;
+  return {.kind = change.is_input ? Kind::input_changed : Kind::sensor_changed,
+          .channel = channels[static_cast<std::size_t>(change.channel)].name,
           .value = change.factor,
-          .count = change.outputs,
-          .total = std::ssize(r.outputs)};
+          .count = change.changed,
+          .total = std::ssize(channels)};
+}
+
+/// The same of one of `parts` of a record of this duration [s].
+data::ResponseWarning warning_in(const SensorWatch::Change& change, const FrequencyResponses& r,
+                                 double duration, Index parts) {
+  auto warning = warning_of(change, r);
+  const double length = duration / static_cast<double>(parts);
+  warning.lowest = static_cast<double>(change.label) * length;
+  warning.highest = warning.lowest + length;
+  return warning;
 }
 
 /// The fits of groups one by one, and what they say.
@@ -175,14 +189,10 @@ class PartFits {
   }
 
   /// Of a record of this duration [s].
-  [[nodiscard]] std::optional<data::ResponseWarning> changed_sensor(double duration) const {
+  [[nodiscard]] std::optional<data::ResponseWarning> changed_channel(double duration) const {
     const auto change = sensors_.result();
     if (!change) return {};
-    auto warning = warning_of(*change, found_.responses);
-    const double length = duration / static_cast<double>(added_);
-    warning.lowest = static_cast<double>(change->label) * length;
-    warning.highest = warning.lowest + length;
-    return warning;
+    return warning_in(*change, found_.responses, duration, added_);
   }
 
   [[nodiscard]] std::vector<Wandering> wandering(const WanderOptions& options) const {
@@ -244,10 +254,10 @@ namespace {
 std::optional<data::ResponseWarning> changed_between(data::RecordSet& records,
                                                      const Measurement& measured,
                                                      const MeasureOptions& measure,
-                                                     const Identification& found,
+                                                     const FrequencyResponses& whole,
                                                      const numerics::Progress& progress) {
-  SensorWatch sensors(found.responses);
-  each_record(records, measured, measure, progress, found.to,
+  SensorWatch sensors(whole);
+  each_record(records, measured, measure, progress, whole.frequency.back(),
               [&](std::size_t record, CrossSpectra&& spectra, const ChannelChoice& choice,
                   Estimator estimator) {
                 if (spectra.statistics.effective_averages < averages_for_sensors(choice)) return;
@@ -258,9 +268,43 @@ std::optional<data::ResponseWarning> changed_between(data::RecordSet& records,
               });
   const auto change = sensors.result();
   if (!change) return {};
-  auto warning = warning_of(*change, found.responses);
+  auto warning = warning_of(*change, whole);
   warning.other = std::filesystem::path(records.files()[change->label]).filename().string();
   return warning;
+}
+
+}  // namespace
+
+namespace {
+
+/// Halves of the only record in shorter blocks, for records with too few of the usual length:
+/// channels are compared, and modes are not, so that what leaks is the same in both halves. False:
+/// there are too few of these blocks too, or the options say how long blocks are.
+bool compare_in_shorter_blocks(data::RecordSet& records, const Measurement& measured,
+                               const MeasureOptions& measure, double from, double to,
+                               double duration, const numerics::Progress& progress,
+                               PartsFinding& finding) try {
+  constexpr int halvings = 4, shortest = 64, halves = 2;  // 64 samples have the fewest lines
+  if (asks_for_blocks(measure) || measured.reading == nullptr) return false;
+  int block = measured.reading->spectrum.block_length;
+  for (int n = 0; n < halvings && block / 2 >= shortest; ++n) {
+    block /= 2;
+    auto all = measure_groups_in_blocks(records, measured, measure, block, halves, progress, to);
+    const auto parts = large_enough(std::move(all.groups), averages_for_sensors(all.choice));
+    if (parts.empty()) continue;
+    const auto whole = within(
+        responses_for_modes(averaged_spectra(parts, {0, 1}), all.choice, all.estimator), from, to);
+    if (whole.lines() == 0) return false;
+    SensorWatch watch(whole);
+    for (std::size_t g = 0; g < parts.size(); ++g)
+      watch.add(responses_for_modes(parts[g], all.choice, all.estimator), g);
+    if (const auto change = watch.result())
+      finding.changed = warning_in(*change, whole, duration, std::ssize(parts));
+    return true;
+  }
+  return false;
+} catch (const base::ComputationError&) {  // a half has too little in it
+  return false;
 }
 
 }  // namespace
@@ -269,14 +313,27 @@ PartsFinding compare_parts(data::RecordSet& records, const Measurement& measured
                            const MeasureOptions& measure, const Identification& found,
                            const IdentifyOptions& identify, const WanderOptions& options,
                            const numerics::Progress& progress) {
-  if (found.modes.empty()) return {};
+  if (measured.responses.lines() == 0) return {};
   constexpr int most_parts = 4;
   bool stopped = false, large = true;
   const auto watched = [&](double share) { return stopped = progress && progress(share); };
   PartsFinding finding;
-  const bool several = records.files().size() > 1;
-  if (several) finding.changed = changed_between(records, measured, measure, found, watched);
-  if (stopped) return {};
+  const bool several = records.files().size() > 1, no_mode = found.modes.empty();
+  // an input that was turned round may leave nothing in the mean over the record
+  const auto& whole = no_mode ? measured.responses : found.responses;
+  const double duration = static_cast<double>(measured.samples) / records.header().sample_rate;
+  const auto in_shorter_blocks = [&] {
+    const double from = no_mode ? 0.0 : found.from;
+    const double to = no_mode ? 0.5 * records.header().sample_rate : found.to;
+    return !several && compare_in_shorter_blocks(records, measured, measure, from, to, duration,
+                                                 watched, finding);
+  };
+  if (measured.record != nullptr || (no_mode && !several)) {
+    in_shorter_blocks();
+    return stopped ? PartsFinding() : finding;
+  }
+  if (several) finding.changed = changed_between(records, measured, measure, whole, watched);
+  if (stopped || no_mode) return stopped ? PartsFinding() : finding;
   PartFits parts(found, identify);
   each_group(records, measured, measure, most_parts, watched, found.to,
              [&](CrossSpectra&& part, const ChannelChoice& choice, Estimator estimator) {
@@ -285,10 +342,9 @@ PartsFinding compare_parts(data::RecordSet& records, const Measurement& measured
                if (large && !stopped) parts.add(std::move(part), choice, estimator);
              });
   if (stopped) return {};
-  const double duration = static_cast<double>(measured.samples) / records.header().sample_rate;
   const auto say = [&](const PartFits& fits) {
     finding.wandering = fits.wandering(options);
-    if (!several) finding.changed = fits.changed_sensor(duration);
+    if (!several) finding.changed = fits.changed_channel(duration);
   };
   if (large) {
     say(parts);
@@ -301,15 +357,16 @@ PartsFinding compare_parts(data::RecordSet& records, const Measurement& measured
   const bool fit = !halves.empty();
   const double needed = averages_for_sensors(all.choice);
   if (!fit && !several) halves = large_enough(all.groups, needed);
-  if (halves.empty() && !several)
+  if (halves.empty() && !several && !in_shorter_blocks())
     finding.needed_duration = duration_for(all.groups, needed, duration);
+  if (halves.empty()) return stopped ? PartsFinding() : finding;
   PartFits joined(found, identify);
   for (auto& part : halves) joined.add(std::move(part), all.choice, all.estimator, fit);
   say(joined);
   return finding;
 }
 
-void add_changed_sensor(const data::ResponseWarning& changed, Identification& found) {
+void add_changed_channel(const data::ResponseWarning& changed, Identification& found) {
   const double same = 1.0 - static_cast<double>(changed.count) / static_cast<double>(changed.total);
   for (auto& mode : found.modes) mode.explained = std::min(mode.explained, same);
   found.responses.warnings.push_back(changed);

@@ -115,6 +115,11 @@ std::string two_clocks_text(const data::ResponseWarning& w) {
 }
 
 std::string short_text(const data::ResponseWarning& w) {
+  if (w.total == 0)
+    return fmt::format(
+        "the excitation is a sweep, which blocks of {:.3g} s would cut into pieces: modes are "
+        "estimated from the whole record at once, by a parametric model of its spectra",
+        w.share);
   return fmt::format(
       "the record is short: {:.4g} s hold {} of the {} blocks of {:.3g} s that averages need; "
       "modes "
@@ -158,16 +163,24 @@ std::string motion_input_text(const data::ResponseWarning& w) {
       several ? "are motions" : "is a motion", several ? "these motions" : "this motion");
 }
 
-std::string sensor_changed_text(const data::ResponseWarning& w) {
-  const bool one_record = w.other.empty();
-  return fmt::format(
-      "{} {} is {}{:.2f} times what it is in the {}{}: its part of the shapes is wrong", w.channel,
-      one_record ? fmt::format("from {:.4g} s to {:.4g} s", w.lowest, w.highest) : "of " + w.other,
-      w.value < 0.0 ? "−" : "", std::abs(w.value),
-      one_record ? "rest of the record" : "other records",
-      w.count <= 1 ? ""
-                   : fmt::format(" ({} of {} outputs changed{})", w.count, w.total,
-                                 w.count == w.total ? ", or an input" : ""));
+/// Of a sensor or an input.
+std::string changed_text(const data::ResponseWarning& w) {
+  const bool one_record = w.other.empty(),
+             is_input = w.kind == data::ResponseWarning::Kind::input_changed;
+  const std::string place =
+      one_record ? fmt::format("from {:.4g} s to {:.4g} s", w.lowest, w.highest) : "of " + w.other;
+  const std::string others = w.count <= 1 ? ""
+                                          : fmt::format(" ({} of {} {} changed{})", w.count,
+                                                        w.total, is_input ? "inputs" : "outputs",
+                                                        w.count < w.total ? ""
+                                                        : is_input        ? ", or outputs"
+                                                                          : ", or an input");
+  return fmt::format("{} {} is {}{:.2f} times what it is in the {}{}: {}", w.channel, place,
+                     w.value < 0.0 ? "−" : "", std::abs(w.value),
+                     one_record ? "rest of the record" : "other records", others,
+                     is_input ? "the responses to it are wrong, and modes that it excites may be "
+                                "missing"
+                              : "its part of the shapes is wrong");
 }
 
 }  // namespace
@@ -313,7 +326,8 @@ std::string warning_text(const data::ResponseWarning& w) {
     case Kind::motion_input:
       return motion_input_text(w);
     case Kind::sensor_changed:
-      return sensor_changed_text(w);
+    case Kind::input_changed:
+      return changed_text(w);
     case Kind::lines_zero:
       return fmt::format(
           "at {} of {} frequencies a response is exactly 0, that of {} to {} most often, as "

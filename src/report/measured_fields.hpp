@@ -46,9 +46,10 @@ inline constexpr std::array response_warning_words{"dead_output",
                                                    "motion_input",
                                                    "sensor_changed",
                                                    "lines_zero",
-                                                   "two_sided"};
+                                                   "two_sided",
+                                                   "input_changed"};
 static_assert(response_warning_words.size() ==
-              static_cast<std::size_t>(data::ResponseWarning::Kind::two_sided) + 1);
+              static_cast<std::size_t>(data::ResponseWarning::Kind::input_changed) + 1);
 
 template <class Fields>
 void describe(Fields& f, data::ResponseWarning& warning) {

@@ -283,13 +283,12 @@ void add_bootstrap(const IdentifyOptions& options, const Progress& progress, Ide
       {.resamples = options.bootstrap, .identify = options.modes}, progress);
 }
 
-/// Do the modes stay where they are, and the sensors as they are? Not asked of periods and of
+/// Do the modes stay where they are, and the channels as they are? Not asked of periods and of
 /// outputs alone.
 void test_steadiness(const IdentifyOptions& options, const Progress& progress, Identified& found) {
   auto& measured = found.measured;
   if (!measured.records || options.measure.output_only || measured.measurement.interrupted ||
-      measured.measurement.record != nullptr || measured.measurement.spectra.options.periodic ||
-      found.modes.modes.empty())
+      measured.measurement.spectra.options.periodic)
     return;
   bool stopped = false;
   try {
@@ -300,7 +299,7 @@ void test_steadiness(const IdentifyOptions& options, const Progress& progress, I
     identification::add_wandering(finding.wandering, found.modes);
     found.modes.needed_duration = finding.needed_duration;
     if (finding.changed) {
-      identification::add_changed_sensor(*finding.changed, found.modes);
+      identification::add_changed_channel(*finding.changed, found.modes);
       add_warnings(options.measure.files.front(), std::vector{*finding.changed}, found.warnings);
     }
   } catch (const base::ComputationError&) {  // the parts are too short

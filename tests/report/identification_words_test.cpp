@@ -78,7 +78,14 @@ std::vector<data::ResponseWarning> response_warnings() {
            .count = 1,
            .total = 3},
           {.kind = Kind::lines_zero, .channel = "a1", .other = "F", .count = 120, .total = 800},
-          {.kind = Kind::two_sided, .value = 512.0, .count = 1023, .total = 2048}};
+          {.kind = Kind::two_sided, .value = 512.0, .count = 1023, .total = 2048},
+          {.kind = Kind::input_changed,
+           .channel = "f2",
+           .value = -1.0,
+           .lowest = 150.0,
+           .highest = 300.0,
+           .count = 1,
+           .total = 2}};
 }
 
 std::vector<identification::ModeWarning> mode_warnings() {
@@ -170,6 +177,30 @@ TEST(IdentificationWords, WhereAllOutputsChangedAnInputMayHave) {
   warning.count = 3;
   EXPECT_THAT(warning_text(warning),
               testing::HasSubstr("(3 of 3 outputs changed, or an input): its part"));
+}
+
+TEST(IdentificationWords, ASweepIsNoShortRecord) {
+  EXPECT_EQ(warning_text({.kind = data::ResponseWarning::Kind::short_record,
+                          .value = 120.0,
+                          .share = 32.0,
+                          .count = 3}),
+            "the excitation is a sweep, which blocks of 32 s would cut into pieces: modes are "
+            "estimated from the whole record at once, by a parametric model of its spectra");
+}
+
+TEST(IdentificationWords, WhereAllInputsChangedOutputsMayHave) {
+  data::ResponseWarning warning{.kind = data::ResponseWarning::Kind::input_changed,
+                                .channel = "f2",
+                                .other = "p2.csv",
+                                .value = -1.0,
+                                .count = 1,
+                                .total = 3};
+  EXPECT_EQ(warning_text(warning),
+            "f2 of p2.csv is −1.00 times what it is in the other records: the responses to it are "
+            "wrong, and modes that it excites may be missing");
+  warning.count = 3;
+  EXPECT_THAT(warning_text(warning),
+              testing::HasSubstr("(3 of 3 inputs changed, or outputs): the responses"));
 }
 
 TEST(IdentificationWords, OneGapIsNotCounted) {

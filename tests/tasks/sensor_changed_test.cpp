@@ -1,5 +1,5 @@
-/// A sensor that is another in one of several records, or from some time on, is named; sound
-/// records, and machines that are not quite the same in all of them, are not accused.
+/// A sensor or an input that is another in one of several records, or from some time on, is named;
+/// sound records, and machines that are not quite the same in all of them, are not accused.
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -65,7 +65,8 @@ class SensorChanged : public testing::Test {
   static std::vector<data::ResponseWarning> changed_in(const Identified& found) {
     std::vector<data::ResponseWarning> list;
     for (const auto& warning : found.modes.responses.warnings)
-      if (warning.kind == Kind::sensor_changed) list.push_back(warning);
+      if (warning.kind == Kind::sensor_changed || warning.kind == Kind::input_changed)
+        list.push_back(warning);
     return list;
   }
 
@@ -155,6 +156,79 @@ TEST_F(SensorChanged, WithinAShortRecordOfTwoForcesItIsNamed) {
     EXPECT_EQ(changed[0].channel, "d2");
     EXPECT_NEAR(changed[0].value, -1.0, 0.05);
   }
+}
+
+/// All responses to an input change alike: it is no sensor.
+TEST_F(SensorChanged, AnInputThatChangedIsNamed) {
+  for (std::uint64_t seed = 1; seed <= 2; ++seed)
+    for (const double factor : {-1.0, 1.5, 0.6}) {
+      auto record = record_of_two_forces(seed);
+      record.samples.col(1).tail(record.samples.rows() / 2) *= factor;
+      const auto found = identified({written("run.h5", record)});
+      const auto changed = changed_in(found);
+      ASSERT_EQ(changed.size(), 1U) << seed << " " << factor;
+      EXPECT_EQ(changed[0].kind, Kind::input_changed);
+      EXPECT_EQ(changed[0].channel, record.header.channels[1].name);
+      EXPECT_NEAR(changed[0].value / factor, 1.0, 0.05);
+      EXPECT_EQ(changed[0].count, 1);
+      EXPECT_EQ(changed[0].total, 2);
+      for (const auto& mode : found.modes.modes) EXPECT_LE(mode.quality(), 0.5 + 1e-12);
+      EXPECT_TRUE(std::ranges::any_of(found.warnings, [](const base::Diagnostic& d) {
+        return d.message.find("the responses to it are wrong") != std::string::npos;
+      }));
+    }
+}
+
+/// The phases of what was turned round are no clock's, and another gain is no other damping. In the
+/// mean over the record nothing may be left, and no mode.
+TEST_F(SensorChanged, TheOnlyInputThatChangedIsNamed) {
+  for (const double factor : {-1.0, 1.5}) {
+    auto record = sound_record(6, three_masses(), 100000);
+    record.samples.col(0).tail(50000) *= factor;
+    const auto found = identified({written("run.h5", record)});
+    const auto changed = changed_in(found);
+    ASSERT_EQ(changed.size(), 1U) << factor;
+    EXPECT_EQ(changed[0].kind, Kind::input_changed);
+    EXPECT_EQ(changed[0].channel, "force");
+    EXPECT_NEAR(changed[0].value / factor, 1.0, 0.05);
+    for (const auto& warning : found.modes.responses.warnings)
+      EXPECT_NE(warning.kind, Kind::two_clocks);
+  }
+}
+
+TEST_F(SensorChanged, AnInputThatChangedBetweenRecordsIsNamed) {
+  auto other = record_of_two_forces(8);
+  other.samples.col(0) *= -1.0;
+  const auto changed =
+      changed_in(identified({written("p1.h5", record_of_two_forces(7)), written("p2.h5", other)}));
+  ASSERT_EQ(changed.size(), 1U);
+  EXPECT_EQ(changed[0].kind, Kind::input_changed);
+  EXPECT_EQ(changed[0].channel, other.header.channels[0].name);
+  EXPECT_EQ(changed[0].other, "p2.h5");
+  EXPECT_NEAR(changed[0].value, -1.0, 0.05);
+}
+
+/// Of records with too few blocks for modes, in shorter ones; also of those that are identified in
+/// one piece.
+TEST_F(SensorChanged, InAShortRecordItIsNamedToo) {
+  for (const int samples : {12000, 20000})
+    for (std::uint64_t seed = 1; seed <= 2; ++seed) {
+      auto record = record_of_two_forces(seed);
+      record.samples = record.samples.topRows(samples).eval();
+      EXPECT_TRUE(changed_in(identified({written("sound.h5", record)})).empty()) << seed;
+      for (const int channel : {1, 3}) {
+        auto turned = record;
+        turned.samples.col(channel).tail(samples / 2) *= -1.0;
+        const auto found = identified({written("run.h5", turned)});
+        EXPECT_FALSE(found.needed_duration.has_value());
+        const auto changed = changed_in(found);
+        ASSERT_EQ(changed.size(), 1U) << samples << " " << seed << " " << channel;
+        EXPECT_EQ(changed[0].kind, channel == 1 ? Kind::input_changed : Kind::sensor_changed);
+        EXPECT_EQ(changed[0].channel,
+                  record.header.channels[static_cast<std::size_t>(channel)].name);
+        EXPECT_NEAR(changed[0].value, -1.0, 0.1);
+      }
+    }
 }
 
 /// What was not tested is said, and how long a record would do.

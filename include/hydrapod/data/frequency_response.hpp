@@ -168,7 +168,8 @@ struct ResponseWarning {
                      ///< to either side; spectra from `lowest` to `highest` [Hz] are left out for
                      ///< it
     short_record,    ///< modes are those of the record in one piece: it has `value` [s], `count`
-                     ///< blocks of `share` [s] side by side, and averages need `total`
+                     ///< blocks of `share` [s] side by side, and averages need `total`; 0: the
+                     ///< excitation is a sweep
     feedback,  ///< inputs follow outputs: these explain `share` of what the inputs' past does not
     motion_input,    ///< `count` of `total` inputs, the first `channel`, are motions that were
                      ///< measured: poles are those of the machine with these held
@@ -177,8 +178,9 @@ struct ResponseWarning {
                      ///< so are `count` of `total` outputs, each by its own factor
     lines_zero,      ///< at count, of total, a response is exactly 0, that of `channel` to `other`
                      ///< most often: these were left out
-    two_sided  ///< count, of total, lines above `value` [Hz], half the sample rate, are conjugates
-               ///< of those below in reverse: left out
+    two_sided,       ///< count, of total, lines above `value` [Hz], half the sample rate, are
+                     ///< conjugates of those below in reverse: left out
+    input_changed,   ///< as sensor_changed, of the input `channel` and `count` of `total` inputs
   };
   Kind kind{};
   std::string channel{}, other{};

@@ -319,7 +319,8 @@ struct IdentifiedMode {
   /// Share of the residual around its frequency that noise explains: 1/Unexplained::level of the
   /// worst response there, at most 1 − Unexplained::smooth and, where misfit is a warning, at most
   /// largest_misfit/misfit; 1 where all is noise. Where the excitation is weak, at most F by what
-  /// is needed; where sensors changed, at most the share of those that did not; 0 of conjugates.
+  /// is needed; where sensors or inputs changed, at most the share of those that did not; 0 of
+  /// conjugates.
   double explained{1.0};
   /// ζ ω over ζ ω and the deviation of ω between parts of the record; 1: it does not wander, or
   /// that was not asked.
@@ -486,19 +487,21 @@ std::vector<Wandering> wandering_modes(std::vector<CrossSpectra> groups,
 
 struct PartsFinding {
   std::vector<Wandering> wandering{};
-  std::optional<data::ResponseWarning> changed{};  ///< sensor_changed
+  std::optional<data::ResponseWarning> changed{};  ///< sensor_changed or input_changed
   std::optional<double> needed_duration{};         ///< [s] of a record that sensors are compared in
 };
 
-/// The same with quarters of the records, read once more; and a sensor that changed between records
-/// or parts of the only one. Nothing where `progress` asks to stop. Throws as measure_groups().
+/// The same with quarters of the records, read once more; and a sensor or an input that changed
+/// between records or parts of the only one, which in short records are halves of shorter blocks.
+/// Nothing where `progress` asks to stop. Throws as measure_groups().
 PartsFinding compare_parts(data::RecordSet& records, const Measurement& measured,
                            const MeasureOptions& measure, const Identification& found,
                            const IdentifyOptions& identify = {}, const WanderOptions& options = {},
                            const numerics::Progress& progress = {});
 
-/// Warnings; the steadiness of modes; no quality above the share of outputs that did not change.
+/// Warnings; the steadiness of modes; no quality above the share of channels that did not change,
+/// outputs or inputs.
 void add_wandering(const std::vector<Wandering>& wandering, Identification& found);
-void add_changed_sensor(const data::ResponseWarning& changed, Identification& found);
+void add_changed_channel(const data::ResponseWarning& changed, Identification& found);
 
 }  // namespace hydrapod::identification
