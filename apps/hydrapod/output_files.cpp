@@ -153,6 +153,11 @@ std::optional<const char*> kept_kind(const std::string& path) {
   return {};
 }
 
+std::optional<const char*> existing_file(const std::string& path) {
+  std::error_code ignored;
+  return fs::is_regular_file(path, ignored) ? std::optional("file") : std::nullopt;
+}
+
 std::optional<std::string> why_not_writable(const std::string& path) {
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) return "it is a folder";
@@ -208,7 +213,7 @@ void check_outputs(const std::vector<NamedFile>& inputs, const std::vector<Named
         fault(output,
               fmt::format("{} writes the same file; choose another name", outputs[other].option));
     if (is_input || force) continue;
-    if (const auto kind = kept_kind(output.path))
+    if (const auto kind = output.is_kept ? existing_file(output.path) : kept_kind(output.path))
       fault(output, fmt::format("a {} exists there and was left as it is; choose another name, or "
                                 "--force to replace it",
                                 *kind));

@@ -21,6 +21,7 @@ namespace hydrapod::cli {
 struct NamedFile {
   std::string option{};  ///< "-o"
   std::string path{};
+  bool is_kept{};  ///< of an output: whatever exists there is replaced with --force only
 };
 
 /// The file that the text of an input names: `run.h5`, `run.h5@low`, `file run.csv, hold=1`. None

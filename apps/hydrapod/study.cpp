@@ -369,10 +369,16 @@ void add_common(Command command, Arguments& arguments) {
        {"--shard", arguments.shard, "i/n: compute part i of n; with --join: n"},
        {"--join", arguments.join, "Put the parts of --shard together instead of computing"},
        {"--no-mpi", arguments.no_mpi, "Run alone, also where mpirun has started the program"},
-       {"--results", arguments.results, "HDF5 file of all rows", writes},
+       {"--results", arguments.results,
+        "HDF5 file of all rows; study.h5 is replaced, another file that exists with --force only"},
        {"--csv", arguments.csv, "All rows as CSV too", writes},
        {"--format", arguments.format, "table or json; default: by the ending of -o, else table"},
        {"-o,--output", arguments.output, "File of the summary; - prints", writes}});
+  command.also_writes([&arguments] {
+    const bool goes_on = arguments.resume || arguments.join || !arguments.shard.empty();
+    return std::vector<NamedFile>{
+        {"--results", arguments.results, !goes_on && arguments.results != Arguments{}.results}};
+  });
 }
 
 void run_montecarlo(const Arguments& arguments) {

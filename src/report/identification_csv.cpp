@@ -21,6 +21,8 @@ using Eigen::Index;
 namespace {
 
 constexpr const char* pose_title = "pose";
+constexpr const char* spacing_title = "line_spacing_hz";
+const std::string deviation_title = "deviation ";  // of the shape at an output
 
 /// "pose x" … "pose rz": of the platform in the base frame [m, rad].
 std::string pose_number_title(int direction) {
@@ -51,9 +53,13 @@ std::string identified_modes_csv(const identification::Identification& result,
     text +=
         fmt::format(",{},{}", base::quoted_cell("re " + o.name), base::quoted_cell("im " + o.name));
   const auto [pose_titles, pose_cells] = pose_columns(experiment);
-  text += ",shape_against,observed" + pose_titles + '\n';
+  text += ",shape_against,observed" + pose_titles;
+  for (const auto& o : result.responses.outputs)
+    text += ',' + base::quoted_cell(deviation_title + o.name);
+  text += fmt::format(",{}\n", spacing_title);
+  const auto numbers = identification::modal_results(result);
   const auto* against = observation::name(observation::motion_against(result.responses.outputs));
-  int number = 0;
+  std::size_t number = 0;
   for (const auto& m : result.modes) {
     text += fmt::format(
         "{},{:.17g},{:.6g},{:.17g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g}", ++number,
@@ -62,8 +68,11 @@ std::string identified_modes_csv(const identification::Identification& result,
         m.quality(), m.fit.significance);
     for (const auto& value : m.displacement)
       text += fmt::format(",{:.9g},{:.9g}", value.real(), value.imag());
-    text += fmt::format(",{},{}{}\n", against, observed ? observation::name(*observed) : "",
-                        pose_cells);
+    text +=
+        fmt::format(",{},{}{}", against, observed ? observation::name(*observed) : "", pose_cells);
+    for (const double deviation : numbers.modes[number - 1U].shape_deviation)
+      text += fmt::format(",{:.6g}", deviation);
+    text += fmt::format(",{:.9g}\n", numbers.line_spacing);
   }
   return text;
 }
@@ -142,7 +151,11 @@ data::ModalResult mode_of(const ModeRow& row, const std::vector<data::Channel>& 
     const auto& name = outputs[static_cast<std::size_t>(o)].name;
     mode.shape[o] = {row.number("re " + name), row.number("im " + name)};
   }
-  mode.shape_deviation = Eigen::VectorXd::Zero(count);
+  mode.shape_deviation = Eigen::VectorXd::Zero(count);  // lists of earlier versions have none
+  for (Index o = 0; o < count; ++o) {
+    const std::string title = deviation_title + outputs[static_cast<std::size_t>(o)].name;
+    if (row.find(title) != nullptr) mode.shape_deviation[o] = row.number(title);
+  }
   return mode;
 }
 
@@ -168,6 +181,7 @@ ListedModes identified_modes_from_csv(const std::string& path) {
         row.word("shape_against", std::array{MotionAgainst::ground, MotionAgainst::base});
     list.observed =
         row.word("observed", std::array{Observed::mechanics, Observed::plant, Observed::system});
+    if (row.find(spacing_title) != nullptr) list.modes.line_spacing = row.number(spacing_title);
     if (const auto* cell = row.find(pose_title)) list.experiment.pose_name = cell->text;
     if (row.find(pose_number_title(0)) == nullptr) continue;
     auto& pose = list.experiment.pose.emplace();

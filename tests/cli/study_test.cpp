@@ -65,6 +65,29 @@ TEST(Studies, InPartsAreJoinedToTheWhole) {
   EXPECT_EQ(test::read_text(parts), test::read_text(whole));
 }
 
+/// Rows may have taken hours. Those of the name that nobody gave are those of the last study.
+TEST(Studies, RowsOfANamedFileAreReplacedByForceAlone) {
+  const test::TemporaryFolder folder;
+  const auto rows = (folder / "rows.h5").string();
+  ASSERT_EQ(test::run_hydrapod(montecarlo({"--samples", "37", "--results", rows})).exit_code, 0);
+  const auto before = test::read_text(rows);
+  const auto again = test::run_hydrapod(montecarlo({"--samples", "53", "--results", rows}));
+  EXPECT_EQ(again.exit_code, 2);
+  EXPECT_EQ(again.err, rows +
+                           ": error: a file exists there and was left as it is; choose another "
+                           "name, or --force to replace it\n");
+  EXPECT_EQ(test::read_text(rows), before);
+  const auto forced =
+      test::run_hydrapod(montecarlo({"--samples", "53", "--results", rows, "--force"}));
+  EXPECT_EQ(forced.exit_code, 0) << forced.err;
+  EXPECT_NE(test::read_text(rows), before);
+  for (int k = 0; k < 2; ++k) {
+    const auto unnamed =
+        test::run_hydrapod(montecarlo({"--samples", "37"}), {.folder = folder.path()});
+    EXPECT_EQ(unnamed.exit_code, 0) << unnamed.err;
+  }
+}
+
 TEST(Studies, BeyondTheDiskAreRefusedBeforeTheWorkBegins) {
   const test::TemporaryFolder folder;
   const auto run = test::run_hydrapod(

@@ -149,6 +149,8 @@ void Exchange::files_of_one_measurement_give_the_same_targets() {
     ASSERT_EQ(targets.modes.size(), record.modes.size());
     for (std::size_t k = 0; k < record.modes.size(); ++k) {
       EXPECT_NEAR(targets.modes[k].omega, record.modes[k].omega, 1e-9 * record.modes[k].omega);
+      EXPECT_NEAR(targets.modes[k].deviation, record.modes[k].deviation,
+                  1e-4 * record.modes[k].deviation);
       EXPECT_EQ(targets.modes[k].direction, record.modes[k].direction);
       EXPECT_EQ(targets.modes[k].shape_against, record.modes[k].shape_against);
       EXPECT_EQ(targets.modes[k].shape.has_value(), record.modes[k].shape.has_value());
