@@ -50,7 +50,7 @@ Eigen::MatrixXd noisy_record(const Averaged& how, std::uint64_t seed) {
 
 }  // namespace
 
-FrequencyResponses averaged(const Averaged& how, std::uint64_t seed) {
+FrequencyResponses averaged_responses(const Averaged& how, std::uint64_t seed) {
   const Eigen::MatrixXd samples = noisy_record(how, seed);
   const Eigen::Index p = how.inputs, q = samples.cols() - p;
   const Eigen::VectorXd window = samples_of_window(how);
@@ -89,7 +89,7 @@ test::ClassScore averaged_score(const Averaged& how, int seeds) {
   test::ClassScore score;
   for (int seed = 1; seed <= seeds; ++seed)
     score.add(test::true_modes(frame(how.inputs)),
-              test::found_modes(identify_modes(averaged(how, static_cast<std::uint64_t>(seed)))));
+              test::found_modes(identify_modes(averaged_responses(how, static_cast<std::uint64_t>(seed)))));
   return score;
 }
 

@@ -26,7 +26,7 @@ constexpr double averaged_rate = 247.3;
 test::ModalSystem frame(Eigen::Index inputs);
 
 /// H1 from 1.1 Hz to 40 Hz.
-FrequencyResponses averaged(const Averaged& how, std::uint64_t seed);
+FrequencyResponses averaged_responses(const Averaged& how, std::uint64_t seed);
 
 test::ClassScore averaged_score(const Averaged& how, int seeds);
 

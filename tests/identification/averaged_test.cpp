@@ -19,7 +19,7 @@ std::string named_window(const Identification& found) {
 /// A fit without the window finds six to eight modes, with damping ratios up to twice too high.
 TEST(AveragedResponses, HaveTheModesOfTheMachine) {
   for (const std::uint64_t seed : {3U, 4U}) {
-    const auto found = identify_modes(averaged({}, seed));
+    const auto found = identify_modes(averaged_responses({}, seed));
     EXPECT_EQ(named_window(found), "hann");
     const auto& warning = found.warnings.front();
     EXPECT_NEAR(warning.value, 2048.0 / averaged_rate, 1e-9);
@@ -35,7 +35,7 @@ TEST(AveragedResponses, HaveTheModesOfTheMachine) {
 
 /// Blocks without a window let in more from far away, and widen resonances in another way.
 TEST(AveragedResponses, OfBlocksWithoutWindowAreKnownToo) {
-  const auto found = identify_modes(averaged({.window = "box"}, 5));
+  const auto found = identify_modes(averaged_responses({.window = "box"}, 5));
   EXPECT_EQ(named_window(found), "rectangular");
   ASSERT_EQ(found.modes.size(), 5U);
   const auto system = frame(2);

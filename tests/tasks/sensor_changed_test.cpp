@@ -220,7 +220,7 @@ TEST_F(SensorChanged, InAShortRecordItIsNamedToo) {
         auto turned = record;
         turned.samples.col(channel).tail(samples / 2) *= -1.0;
         const auto found = identified({written("run.h5", turned)});
-        EXPECT_FALSE(found.needed_duration.has_value());
+        EXPECT_FALSE(found.modes.needed_duration.has_value());
         const auto changed = changed_in(found);
         ASSERT_EQ(changed.size(), 1U) << samples << " " << seed << " " << channel;
         EXPECT_EQ(changed[0].kind, channel == 1 ? Kind::input_changed : Kind::sensor_changed);
