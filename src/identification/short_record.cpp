@@ -91,8 +91,10 @@ TimeModel model_in_best_band(const Signals& signals, const std::optional<Swept>&
                              const IdentifyOptions& options) {
   const double most = options.record.nyquist_room * 0.5 * signals.sample_rate;
   Band band{options.from.value_or(0.0), most};
-  if (sweep && sweep->from > 0.0) {  // where it passes all is heard, and elsewhere nothing
-    band = {options.from.value_or(sweep->from), std::min(most, sweep->to)};
+  if (sweep && sweep->from > 0.0) {
+    // Where it passes all is heard, and above nothing. What rings from its beginning is below too:
+    // without these lines a sharp mode near the beginning comes out as another, and looks certain.
+    band.to = std::min(most, sweep->to);
   } else {
     const double heard = audible_end(signals, options.record.audible_chance).value_or(most);
     band.to = std::min(most, options.band.fit_room * heard);
