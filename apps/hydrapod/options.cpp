@@ -128,8 +128,8 @@ void Command::check_files(const Files& files) {
   if (files.more_outputs)
     for (auto& file : files.more_outputs()) outputs.push_back(std::move(file));
   check_outputs(inputs, outputs, files.force);
-  for (const auto& [option, value] : inputs)
-    if (const auto path = input_file(value)) note_input(option, *path);
+  for (const auto& input : inputs)
+    if (const auto path = input_file(input.path)) note_input(input.option, *path);
 }
 
 Command Command::add_command(const std::string& name, const std::string& description,

@@ -25,7 +25,7 @@ data::Record noisy_record() {
 
 constexpr int block = 1024;
 
-CrossSpectra spectra_of(const data::Record& record, Eigen::Index first, Eigen::Index count) {
+CrossSpectra spectra_of_blocks(const data::Record& record, Eigen::Index first, Eigen::Index count) {
   SpectrumEstimator estimator(record.header, {.block_length = block});
   estimator.add(record.samples.middleRows(first, count));
   return estimator.result();
@@ -34,7 +34,8 @@ CrossSpectra spectra_of(const data::Record& record, Eigen::Index first, Eigen::I
 std::vector<CrossSpectra> groups_of(const data::Record& record, Eigen::Index groups) {
   std::vector<CrossSpectra> all;
   const Eigen::Index length = record.samples.rows() / groups;
-  for (Eigen::Index g = 0; g < groups; ++g) all.push_back(spectra_of(record, g * length, length));
+  for (Eigen::Index g = 0; g < groups; ++g)
+    all.push_back(spectra_of_blocks(record, g * length, length));
   return all;
 }
 
@@ -60,8 +61,8 @@ TEST(Bootstrap, AveragedGroupsAreTheSpectraOfTheirBlocks) {
 
 TEST(Bootstrap, ScatterIsWhatTheIntervalsSay) {
   const auto record = noisy_record();
-  const auto found = identify_modes(estimate_responses(spectra_of(record, 0, record.samples.rows()),
-                                                       three_by_three, Estimator::h1));
+  const auto found = identify_modes(estimate_responses(
+      spectra_of_blocks(record, 0, record.samples.rows()), three_by_three, Estimator::h1));
   ASSERT_EQ(found.modes.size(), 3U);
   const auto scatter = bootstrap_modes(groups_of(record, 16), three_by_three, Estimator::h1, found,
                                        {.resamples = 60});
@@ -78,8 +79,8 @@ TEST(Bootstrap, ScatterIsWhatTheIntervalsSay) {
 
 TEST(Bootstrap, TheSameSeedGivesTheSameScatter) {
   const auto record = noisy_record();
-  const auto found = identify_modes(estimate_responses(spectra_of(record, 0, record.samples.rows()),
-                                                       three_by_three, Estimator::h1));
+  const auto found = identify_modes(estimate_responses(
+      spectra_of_blocks(record, 0, record.samples.rows()), three_by_three, Estimator::h1));
   const auto groups = groups_of(record, 8);
   const auto run = [&](std::uint64_t seed) {
     return bootstrap_modes(groups, three_by_three, Estimator::h1, found,
@@ -92,8 +93,8 @@ TEST(Bootstrap, TheSameSeedGivesTheSameScatter) {
 
 TEST(Bootstrap, ResamplesUntilAskedToStop) {
   const auto record = noisy_record();
-  const auto found = identify_modes(estimate_responses(spectra_of(record, 0, record.samples.rows()),
-                                                       three_by_three, Estimator::h1));
+  const auto found = identify_modes(estimate_responses(
+      spectra_of_blocks(record, 0, record.samples.rows()), three_by_three, Estimator::h1));
   std::vector<double> shares;
   const auto scatter = bootstrap_modes(groups_of(record, 8), three_by_three, Estimator::h1, found,
                                        {.resamples = 10}, [&](double share) {
@@ -114,7 +115,7 @@ TEST(Bootstrap, TooFewGroupsAreRefused) {
 
 TEST(CrossCheck, OfAChainIsTheSame) {
   const auto record = noisy_record();
-  const auto responses = estimate_responses(spectra_of(record, 0, record.samples.rows()),
+  const auto responses = estimate_responses(spectra_of_blocks(record, 0, record.samples.rows()),
                                             three_by_three, Estimator::h1);
   auto found = identify_modes(responses);
   ASSERT_EQ(found.modes.size(), 3U);
