@@ -429,7 +429,7 @@ void test_window(const FrequencyResponses& given, const IdentifyOptions& options
   const auto is_noise = [&](const ModalModel& model, const std::vector<Unexplained>& unexplained) {
     return unexplained.empty() && model.misfit <= options.largest_misfit;
   };
-  if (is_noise(result.model, result.unexplained)) return;
+  if (is_noise(result.model, result.unexplained) || result.model.error < of_window) return;
   if (!may_be_windowed(given)) return;
   std::optional<Window> found;
   for (const auto window : {Window::hann, Window::rectangular}) {

@@ -18,6 +18,10 @@
 
 namespace hydrapod::identification {
 
+/// Modes that leave less of the responses than this, as root mean square, leave no room for a
+/// window: averages of random excitation leave 2 % and more.
+inline constexpr double of_window = 0.01;
+
 /// Are they lines of a discrete transform on the imaginary axis, of which no window is known?
 bool may_be_windowed(const FrequencyResponses& responses);
 
