@@ -118,7 +118,9 @@ std::vector<Unexplained> unexplained_parts(const FrequencyResponses& r, const Mo
       const double level = s.level / static_cast<double>(s.lines),
                    smooth = s.alone > 0.0 ? s.together / s.alone : 0.0;
       if (s.rest <= asked.negligible * asked.negligible * s.response) continue;
-      if (level <= limits.level && smooth <= limits.smooth) continue;
+      // a hundredth of the noise is nothing, however smooth: responses that are 0 but for rounding
+      constexpr double nothing = 1e-4;
+      if (level <= limits.level && (smooth <= limits.smooth || level <= nothing)) continue;
       const auto at = [&](Index k) { return r.frequency[static_cast<std::size_t>(k)]; };
       found.push_back({.output = c / inputs,
                        .input = c % inputs,
