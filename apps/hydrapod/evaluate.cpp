@@ -38,8 +38,7 @@ void add_evaluate(Command app) {
   command.add_options(
       {{"PARAMETERS", arguments.options.parameters,
         "Parameters file of Dakota, standard or aprepro format", reads_required},
-       {"RESULTS", arguments.results, "Results file to write",
-        OptionRule{.required = true, .file = FileUse::output}},
+       {"RESULTS", arguments.results, "Results file to write", OptionRule{.required = true}},
        {"--machine", arguments.machine.file, "Machine file (TOML)", reads_required},
        {"--set", arguments.machine.overrides,
         "PATH=VALUE overrides a value of the file, units allowed; may be repeated",
@@ -49,6 +48,9 @@ void add_evaluate(Command app) {
         one_each_as("NAME=PATH")},
        {"--function", arguments.options.outputs,
         "Output of each function, in their order; default: the label of the function", one_each}});
+  command.also_writes([&arguments] {
+    return std::vector<NamedFile>{{"RESULTS", arguments.results, Existing::replaced}};
+  });
   add_pose_option(command, arguments.machine);
   add_model_option(command, arguments.machine);
 }

@@ -213,7 +213,9 @@ void check_outputs(const std::vector<NamedFile>& inputs, const std::vector<Named
         fault(output,
               fmt::format("{} writes the same file; choose another name", outputs[other].option));
     if (is_input || force) continue;
-    if (const auto kind = output.is_kept ? existing_file(output.path) : kept_kind(output.path))
+    if (output.existing == Existing::replaced) continue;
+    if (const auto kind =
+            output.existing == Existing::kept ? existing_file(output.path) : kept_kind(output.path))
       fault(output, fmt::format("a {} exists there and was left as it is; choose another name, or "
                                 "--force to replace it",
                                 *kind));
@@ -221,7 +223,8 @@ void check_outputs(const std::vector<NamedFile>& inputs, const std::vector<Named
   if (!faults.empty()) throw base::InputError(faults);
   for (const auto& output : outputs) {
     std::error_code ignored;
-    if (!force && is_file_name(output.path) && !fs::exists(output.path, ignored))
+    if (!force && output.existing != Existing::replaced && is_file_name(output.path) &&
+        !fs::exists(output.path, ignored))
       base::expect_no_file(output.path,
                            [](const std::string& path) { return kept_kind(path).has_value(); });
   }

@@ -17,11 +17,18 @@
 
 namespace hydrapod::cli {
 
+/// Of an output that exists already.
+enum class Existing {
+  judged,   ///< by its contents, as above
+  kept,     ///< whatever it is, it is replaced with --force only
+  replaced  ///< another program asks for it under this name
+};
+
 /// A file name that an option was given.
 struct NamedFile {
   std::string option{};  ///< "-o"
   std::string path{};
-  bool is_kept{};  ///< of an output: whatever exists there is replaced with --force only
+  Existing existing{};
 };
 
 /// The file that the text of an input names: `run.h5`, `run.h5@low`, `file run.csv, hold=1`. None

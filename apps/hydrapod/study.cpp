@@ -376,8 +376,9 @@ void add_common(Command command, Arguments& arguments) {
        {"-o,--output", arguments.output, "File of the summary; - prints", writes}});
   command.also_writes([&arguments] {
     const bool goes_on = arguments.resume || arguments.join || !arguments.shard.empty();
+    const bool is_named = arguments.results != Arguments{}.results;
     return std::vector<NamedFile>{
-        {"--results", arguments.results, !goes_on && arguments.results != Arguments{}.results}};
+        {"--results", arguments.results, is_named && !goes_on ? Existing::kept : Existing::judged}};
   });
 }
 

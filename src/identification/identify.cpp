@@ -433,14 +433,17 @@ void test_window(const FrequencyResponses& given, const IdentifyOptions& options
   if (!may_be_windowed(given)) return;
   std::optional<Window> found;
   for (const auto window : {Window::hann, Window::rectangular}) {
-    auto other = identified(with_window(given, window), options, [&](double) {
-      if (progress) progress(1.0);
-    });
-    if (other.modes.empty() || !is_noise(other.model, other.unexplained) ||
-        !(evidence(other, result, options) > options.window_evidence))
-      continue;
-    result = std::move(other);
-    found = window;
+    try {
+      auto other = identified(with_window(given, window), options, [&](double) {
+        if (progress) progress(1.0);
+      });
+      if (other.modes.empty() || !is_noise(other.model, other.unexplained) ||
+          !widens(other, options) || !(evidence(other, result, options) > options.window_evidence))
+        continue;
+      result = std::move(other);
+      found = window;
+    } catch (const base::ComputationError&) {  // with this window no modes are found
+    }
   }
   if (!found) return;
   // the rate of the taper is none of samples

@@ -10,6 +10,7 @@
 #include "hydrapod/numerics/statistics.hpp"
 #include "line_weights.hpp"
 #include "names.hpp"
+#include "prune.hpp"
 #include "weak_modes.hpp"
 
 namespace hydrapod::identification {
@@ -174,6 +175,15 @@ double parameter_count(const ModalModel& model) {
 }
 
 }  // namespace
+
+bool widens(const Identification& windowed, const IdentifyOptions& options) {
+  constexpr double clearly = 0.9;  // of the root mean square
+  auto fit = options.fit;
+  fit.taper = false;
+  fit.deviations = Deviations::none;
+  const auto without = fit_modes(windowed.responses, estimates(windowed.model), fit);
+  return windowed.model.error < clearly * without.error;
+}
 
 double evidence(const Identification& a, const Identification& b, const IdentifyOptions& options) {
   const double from = std::max(a.from, b.from), to = std::min(a.to, b.to);

@@ -34,6 +34,9 @@ FrequencyResponses with_window(FrequencyResponses responses, Window window);
 void add_leakage(FrequencyResponses& r, const data::PerLine<Eigen::MatrixXcd>& rest,
                  const ModalModel& model);
 
+/// Do the same modes leave clearly more where the model does not know of the window?
+bool widens(const Identification& windowed, const IdentifyOptions& options);
+
 /// How much more speaks for `a` than for `b`, both with errors: the difference of their Bayesian
 /// information criteria at the lines that both have,
 ///

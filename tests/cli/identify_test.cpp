@@ -77,8 +77,7 @@ TEST_F(Identify, TheWholeRecordIsRefusedWhereAveragesAreTaken) {
   };
   const std::string run = write();
   const char* where = "from the whole record at once where it is too short for averages of blocks";
-  for (const auto& arguments :
-       {std::vector<std::string>{"identify", run}, {"identify", run, "--output-only"}})
+  for (const auto& arguments : {std::vector<std::string>{"identify", run, "--output-only"}})
     EXPECT_THAT(refused(arguments),
                 testing::AllOf(HasSubstr(where), HasSubstr("leave --whole-record out")));
   EXPECT_THAT(refused({"frf", run}), HasSubstr("--whole-record: error: is for modes"));

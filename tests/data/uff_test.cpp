@@ -124,14 +124,6 @@ TEST(Uff, EveryColumnOfATinyFileIsWhereTheDescriptionHasIt) {
                                  "           0           0\n"));
 }
 
-TEST(Uff, ANameWithALineEndIsOneLine) {
-  data::Record record = sample_record(5);
-  record.header.title = "two\nlines";
-  const uff::File file = uff::Reader(written(record, RecordFormat::uff)).read();
-  EXPECT_EQ(file.model_name, "two?lines");
-  EXPECT_EQ(file.units_code, 1);
-}
-
 TEST(Uff, AsciiKeepsThirteenDigitsAndTheHeader) {
   const data::Record record = sample_record(57);
   const auto [again, notes] = read(written(record, RecordFormat::uff_ascii));

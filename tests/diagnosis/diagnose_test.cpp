@@ -60,7 +60,7 @@ Diagnosis diagnosis_of(const observation::Targets& targets) {
 /// The seals that the rigid-leg model has are beyond any measurement: their modes are no
 /// prediction.
 TEST(Diagnose, RigidSealsPredictNoMode) {
-  const auto d = of({"legs.guide_sleeve.stiffness=0.6 kN/mm"});
+  const auto d = of({"legs.guide_sleeve.stiffness=0.84 kN/mm"});
   int rigid = 0;
   for (const auto& e : d.hypotheses) {
     if (!e.rigid) continue;

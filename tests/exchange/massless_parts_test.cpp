@@ -41,7 +41,7 @@ TEST_P(MasslessParts, HaveTheLeastThatMuJoCoTakes) {
     return;
   }
   const auto text = written(MultibodyFormat::mjcf).text;
-  EXPECT_FALSE(std::regex_search(text, std::regex("mass='0'|diaginertia='0 ")));
+  EXPECT_FALSE(std::regex_search(text, std::regex(" mass='0'|diaginertia='0 ")));
 }
 
 TEST_P(MasslessParts, HaveALittleInSdfAndUrdf) {

@@ -73,7 +73,7 @@ TEST(CheckMachine, NamesTheOrderOfJointsInWhichAllLegsReach) {
     auto machine = sound;
     for (std::size_t i = 0; i < 6; ++i) {
       machine.legs[i].platform_joint = sound.legs[order[i]].platform_joint;
-      machine.legs[i].stroke = model::Stroke{.retracted = 0.3, .length = 0.25};
+      machine.legs[i].stroke = model::Stroke{.retracted = 0.3, .length = 0.24};
     }
     return messages(machine);
   };
