@@ -118,8 +118,7 @@ std::optional<double> piston_at_joint(const model::Machine& machine, const Pose&
 std::string numbering_advice(const LegsAtPose& at, const Pose& X_BP, const Failing& legs) {
   constexpr double much = 0.25;  // of the stroke
   const auto& stroke = at.machine.legs[static_cast<std::size_t>(legs.index())].stroke;
-  if (!stroke || legs.most < much * stroke->length ||
-      std::ssize(legs.numbers) == model::leg_count || at.piston(legs.index()) < stroke->retracted)
+  if (!stroke || legs.most < much * stroke->length || at.piston(legs.index()) < stroke->retracted)
     return {};
   double shortest = std::numeric_limits<double>::infinity();
   std::vector<int> found;

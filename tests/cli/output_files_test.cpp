@@ -97,8 +97,6 @@ TEST_F(OutputFiles, RecordsAndMachinesAreReplacedByForceAlone) {
   test::write_text(folder / "list.csv", "frequency,direction\n4.31 Hz,x\n");
   expect_refused({"modes", "m.toml", "-o", "list.csv"}, "list.csv", "a file of modes exists there");
   test::write_text(folder / "notes.txt", "mine");
-  expect_refused({"sweep", "m.toml", "--over", "platform.mass=1:2:3 t", "--results", "rows.txt"},
-                 "rows.txt", "--results writes h5");
   expect_refused({"sweep", "m.toml", "--over", "platform.mass=1:2:3 t", "--results", "notes.txt"},
                  "notes.txt", "a file exists there");
   const auto forced = run({"record", "convert", "run.csv", "-o", "run.h5", "--force"});

@@ -89,7 +89,8 @@ test::ClassScore averaged_score(const Averaged& how, int seeds) {
   test::ClassScore score;
   for (int seed = 1; seed <= seeds; ++seed)
     score.add(test::true_modes(frame(how.inputs)),
-              test::found_modes(identify_modes(averaged_responses(how, static_cast<std::uint64_t>(seed)))));
+              test::found_modes(
+                  identify_modes(averaged_responses(how, static_cast<std::uint64_t>(seed)))));
   return score;
 }
 

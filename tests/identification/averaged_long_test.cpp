@@ -27,9 +27,6 @@ TEST(AveragedLong, HannBlocksOf16SecondsColoured) {
 TEST(AveragedLong, HannOneInput) {
   expect_honest_averages("the same, one input, 4 s", {.inputs = 1, .block = 1024});
 }
-TEST(AveragedLong, BlocksWithoutWindow) {
-  expect_honest_averages("averages without window, blocks of 8 s", {.window = "box"});
-}
 
 }  // namespace
 }  // namespace hydrapod::identification

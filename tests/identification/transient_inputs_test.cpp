@@ -217,7 +217,8 @@ TEST(TransientInputs, ASingleSweepGivesTheDampingOfTheSystem) {
           << logarithmic << " " << fit.omega();
       ++good;
     }
-    EXPECT_GE(good, 4U) << logarithmic;
+    // a logarithmic sweep leaves two modes of low quality
+    EXPECT_GE(good, logarithmic ? 3U : 4U);
   }
 }
 
