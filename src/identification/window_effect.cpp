@@ -177,7 +177,7 @@ double parameter_count(const ModalModel& model) {
 }  // namespace
 
 bool widens(const Identification& windowed, const IdentifyOptions& options) {
-  constexpr double clearly = 0.9;  // of the root mean square
+  constexpr double clearly = 0.97;  // of the root mean square
   auto fit = options.fit;
   fit.taper = false;
   fit.deviations = Deviations::none;
