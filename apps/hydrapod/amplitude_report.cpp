@@ -115,14 +115,49 @@ std::vector<double> amplitudes_of(const std::string& text) {
   return response::log_space(from, to, static_cast<int>(count.value));
 }
 
-std::string amplitudes_text(const tasks::Machine& machine, const report::ModesAtAmplitudes& modes,
-                            const TableStyle& style) {
-  const bool sleeves = machine.kind != dynamics::ModelKind::rigid;  // that move
-  const bool struts = model::leg_type(machine.file.machine) == model::LegType::strut;
+namespace {
+
+std::vector<Column> columns_of(bool sleeves, bool struts) {
   std::vector<Column> columns{"mode", "<", "amplitude mm", "Hz", "change", "damping", "MAC"};
   if (sleeves) columns.push_back("sleeve mm");
   columns.push_back(struts ? "strut mm" : "piston mm");
   if (sleeves) columns.push_back("rods on guide");
+  return columns;
+}
+
+/// What of the file depends on the amplitude, and what only seems to.
+std::string friction_remarks(const model::Machine& machine) {
+  std::string text;
+  if (std::ranges::any_of(machine.legs, [](const model::Leg& leg) {
+        const auto& [friction, joints] =
+            std::tie(leg.hydraulics.friction, leg.hydraulics.joint_friction);
+        return (friction.coulomb && *friction.coulomb > 0.0 && !friction.bristles) ||
+               (joints.coulomb > 0.0 && !joints.bristle_stiffness);
+      }))
+    text +=
+        "Mind: friction without bristles follows a smooth law, whose damping at small amplitudes "
+        "is a property of that law and not of the machine (`friction.bristles`, "
+        "`joint_friction.bristle_stiffness`).\n";
+  if (std::ranges::none_of(machine.legs, [](const model::Leg& leg) {
+        return leg.guide_sleeve.gap || leg.guide_sleeve.elastomer ||
+               (leg.piston_ring && leg.piston_ring->elastomer) || leg.hydraulics.friction.coulomb ||
+               leg.hydraulics.joint_friction.coulomb > 0.0;
+      }))
+    text += fmt::format(
+        "Nothing in the file depends on the amplitude: {}no `joint_friction.coulomb`.\n",
+        model::leg_type(machine) == model::LegType::strut
+            ? ""
+            : "no `guide_sleeve.gap`, no `elastomer`, no `friction.coulomb`, ");
+  return text;
+}
+
+}  // namespace
+
+std::string amplitudes_text(const tasks::Machine& machine, const report::ModesAtAmplitudes& modes,
+                            const TableStyle& style) {
+  const bool sleeves = machine.kind != dynamics::ModelKind::rigid;  // that move
+  const bool struts = model::leg_type(machine.file.machine) == model::LegType::strut;
+  const auto columns = columns_of(sleeves, struts);
   Table table(columns);
   bool lost = false, several = false;
   std::string notes;
@@ -179,26 +214,7 @@ std::string amplitudes_text(const tasks::Machine& machine, const report::ModesAt
         "amplitude several times. The lowest frequency is first.\n";
   if (lost) text += "–: no branch of this mode has this amplitude.\n";
   if (!notes.empty()) text += "\nWhere branches end:\n" + notes;
-  if (std::ranges::any_of(machine.file.machine.legs, [](const model::Leg& leg) {
-        const auto& [friction, joints] =
-            std::tie(leg.hydraulics.friction, leg.hydraulics.joint_friction);
-        return (friction.coulomb && *friction.coulomb > 0.0 && !friction.bristles) ||
-               (joints.coulomb > 0.0 && !joints.bristle_stiffness);
-      }))
-    text +=
-        "Mind: friction without bristles follows a smooth law, whose damping at small amplitudes "
-        "is "
-        "a property of that law and not of the machine (`friction.bristles`, "
-        "`joint_friction.bristle_stiffness`).\n";
-  if (std::ranges::none_of(machine.file.machine.legs, [](const model::Leg& leg) {
-        return leg.guide_sleeve.gap || leg.guide_sleeve.elastomer ||
-               (leg.piston_ring && leg.piston_ring->elastomer) || leg.hydraulics.friction.coulomb ||
-               leg.hydraulics.joint_friction.coulomb > 0.0;
-      }))
-    text += fmt::format(
-        "Nothing in the file depends on the amplitude: {}no `joint_friction.coulomb`.\n",
-        struts ? "" : "no `guide_sleeve.gap`, no `elastomer`, no `friction.coulomb`, ");
-  return text;
+  return text + friction_remarks(machine.file.machine);
 }
 
 void plot_amplitudes(const tasks::Machine& machine, const report::ModesAtAmplitudes& modes,

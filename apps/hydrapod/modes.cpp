@@ -70,7 +70,7 @@ std::string pole_table(const SystemPoles& poles, bool closed, const TableStyle& 
   Table table({"pole", "Hz", "rad/s", "damping", "Re 1/s", "<", "<participation"});
   for (std::size_t k = 0; k < order.size(); ++k) {
     const auto& pole = *order[k];
-    const bool stable = pole.pole.real() < 0.0;
+    const bool stable = !simulation::grows(pole.pole);
     const bool drifts = !closed && pole.omega < drift;
     table.add_row(
         {std::to_string(k + 1), pole.oscillates() && !drifts ? hertz(pole.omega) : "–",

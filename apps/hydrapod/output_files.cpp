@@ -60,21 +60,16 @@ constexpr std::string_view signature = "written by hydrapod ";
 
 /// The beginning of a file and its end, of long files without what is between.
 std::string seen_of(const std::string& path) {
-  constexpr std::size_t most = 65536;
-  std::string text(2 * most, '\0');
+  constexpr std::uintmax_t most = 65536;
+  const auto size = fs::file_size(path);
   std::ifstream file(path, std::ios::binary);
-  file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  text.resize(static_cast<std::size_t>(file.gcount()));
-  std::error_code ignored;
-  const auto size = fs::file_size(path, ignored);
-  if (ignored || size <= text.size()) return text;
-  file.seekg(-static_cast<std::streamoff>(most), std::ios::end);
-  text.resize(most);
-  file.read(text.data(), static_cast<std::streamsize>(most));
-  std::string begin(most, '\0');
-  file.seekg(0);
-  file.read(begin.data(), static_cast<std::streamsize>(most));
-  return begin + text;
+  std::string text(std::min(size, 2 * most), '\0');
+  const auto begin = static_cast<std::streamsize>(text.size() - text.size() / 2);
+  file.read(text.data(), begin);
+  const auto rest = static_cast<std::streamsize>(text.size()) - begin;
+  file.seekg(-static_cast<std::streamoff>(rest), std::ios::end);
+  file.read(text.data() + begin, rest);
+  return text;
 }
 
 /// Titles of the tables that are written as CSV. A comment in front would be a row to spreadsheets.

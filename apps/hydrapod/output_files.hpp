@@ -4,8 +4,7 @@
 /// - No output is an input of the same command, whatever its name: the files are compared, not the
 ///   names (links, "./", hard links).
 /// - No two outputs are the same file.
-/// - A record, a machine file or a study that exists is replaced only with --force, and so is a
-/// text
+/// - A record, a machine file or a study that exists is replaced only with --force. So is a text
 ///   (table, JSON, page, notes) that hydrapod did not write. What it wrote says so: JSON by its
 ///   fields, CSV by its titles, a table by its last line. Pictures say nothing and are replaced.
 /// - There must be a folder that can be written to.

@@ -128,18 +128,7 @@ std::optional<Swept> sweep_in(const VectorXd& samples, double sample_rate,
 }
 
 bool fills_band(const VectorXd& samples, int block, const FilledBand& options) {
-  const VectorXd x = bridged(samples);
-  const VectorXd window = window_samples(Window::hann, block);
-  numerics::RealFft fft(block);
-  std::vector<Complex> lines(static_cast<std::size_t>(fft.lines()));
-  VectorXd power = VectorXd::Zero(fft.lines());
-  for (Index at = 0; at + block <= x.size(); at += block) {
-    const VectorXd part = x.segment(at, block);
-    const VectorXd windowed = window.cwiseProduct(part - VectorXd::Constant(block, part.mean()));
-    fft.forward({windowed.data(), static_cast<std::size_t>(block)}, lines);
-    for (Index k = 0; k < power.size(); ++k)
-      power[k] += std::norm(lines[static_cast<std::size_t>(k)]);
-  }
+  const VectorXd power = power_of_sections(bridged(samples), block).colwise().sum();
   const auto below = static_cast<Index>(options.pass_band * static_cast<double>(power.size()));
   return static_cast<double>(
              (power.head(below).array() > options.quiet * power.maxCoeff()).count()) >=

@@ -429,20 +429,26 @@ void test_window(const FrequencyResponses& given, const IdentifyOptions& options
   const auto is_noise = [&](const ModalModel& model, const std::vector<Unexplained>& unexplained) {
     return unexplained.empty() && model.misfit <= options.largest_misfit;
   };
-  if (is_noise(result.model, result.unexplained) || result.model.error < of_window) return;
-  if (!may_be_windowed(given)) return;
+  if (is_noise(result.model, result.unexplained) || result.model.error < options.window.least_left)
+    return;
+  if (!may_be_windowed(given, options.window)) return;
   std::optional<Window> found;
+  bool stopped = false;  // by progress
+  const auto watched = [&](double) {
+    stopped = true;
+    if (progress) progress(1.0);
+    stopped = false;
+  };
   for (const auto window : {Window::hann, Window::rectangular}) {
     try {
-      auto other = identified(with_window(given, window), options, [&](double) {
-        if (progress) progress(1.0);
-      });
+      auto other = identified(with_window(given, window, options.window), options, watched);
       if (other.modes.empty() || !is_noise(other.model, other.unexplained) ||
-          !widens(other, options) || !(evidence(other, result, options) > options.window_evidence))
+          !widens(other, options) || !(evidence(other, result, options) > options.window.evidence))
         continue;
       result = std::move(other);
       found = window;
     } catch (const base::ComputationError&) {  // with this window no modes are found
+      if (stopped) throw;
     }
   }
   if (!found) return;

@@ -10,8 +10,7 @@
 ///
 /// Sweeps. In blocks a resonance is excited while the window rises or falls, and what it makes of
 /// damping does not average out. The record in one piece has no window: its modes are asked for
-/// however many blocks there are, up to where
-/// the inputs end.
+/// however many blocks there are, up to where the inputs end.
 ///
 /// Feedback. Inputs must not hold the outputs' noise. Where the innovations of
 /// a model of the inputs from their own past are smaller with the outputs' past besides, the inputs

@@ -1,7 +1,6 @@
 #include "window_effect.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -18,16 +17,27 @@ namespace hydrapod::identification {
 namespace {
 
 /// Distance of lines that are multiples of it [Hz]; 0: they are not.
-double line_distance(const std::vector<double>& frequency) {
-  constexpr double rounded = 0.02;  // of a line: digits of a text file
-  double step = frequency.back();
+double line_distance(const std::vector<double>& frequency, const WindowOptions& options) {
+  std::vector<double> apart;
   for (std::size_t k = 1; k < frequency.size(); ++k)
-    step = std::min(step, frequency[k] - frequency[k - 1]);
-  if (!(step > 0.0)) return 0.0;
-  step = frequency.back() / std::round(frequency.back() / step);
-  const bool multiples = std::ranges::all_of(
-      frequency, [&](double f) { return std::abs(f / step - std::round(f / step)) < rounded; });
-  return multiples ? step : 0.0;
+    apart.push_back(frequency[k] - frequency[k - 1]);
+  const double usual = numerics::upper_median(apart);
+  if (!(usual > 0.0)) return 0.0;
+  double count =
+      0.0;  // of distances between the first and the last line; some lines may be left out
+  for (const double one : apart) count += std::round(one / usual);
+  const double step = (frequency.back() - frequency.front()) / count;
+  const bool multiples = std::ranges::all_of(frequency, [&](double f) {
+    return std::abs(f / step - std::round(f / step)) < options.rounded;
+  });
+  const bool filled = static_cast<double>(apart.size()) >= options.filled * count;
+  return multiples && filled ? step : 0.0;
+}
+
+/// Of the taper of lines up to the last one; a power of two.
+double sample_count(double last, double step) {
+  constexpr double finer = 4.0;  // samples per period of the highest line
+  return std::exp2(std::ceil(std::log2(finer * last / step)));
 }
 
 /// |W|² by its sum, at this many lines from the middle.
@@ -113,17 +123,18 @@ double per_block(const FrequencyResponses& r, const data::PerLine<MatrixXcd>& re
 
 }  // namespace
 
-bool may_be_windowed(const FrequencyResponses& r) {
-  return r.whole == nullptr && r.excitation.empty() && r.shift == 0.0 && r.taper.size() == 0 &&
-         r.lines() >= 2 && line_distance(r.frequency) > 0.0;
+bool may_be_windowed(const FrequencyResponses& r, const WindowOptions& options) {
+  if (r.whole != nullptr || !r.excitation.empty() || r.shift != 0.0 || r.taper.size() > 0 ||
+      r.lines() < 2)
+    return false;
+  const double step = line_distance(r.frequency, options);
+  return step > 0.0 && sample_count(r.frequency.back(), step) <= options.longest;
 }
 
-FrequencyResponses with_window(FrequencyResponses r, Window window) {
-  const double step = line_distance(r.frequency);
+FrequencyResponses with_window(FrequencyResponses r, Window window, const WindowOptions& options) {
+  const double step = line_distance(r.frequency, options);
   for (double& f : r.frequency) f = std::round(f / step) * step;
-  constexpr double finer = 4.0;  // samples per period of the highest line
-  const auto n = static_cast<int>(
-      std::bit_ceil(static_cast<unsigned>(std::lround(finer * r.frequency.back() / step))));
+  const auto n = static_cast<int>(sample_count(r.frequency.back(), step));
   const auto samples = window_samples(window, n);
   constexpr long many = 64;  // blocks: their number hardly changes the covariance
   r.taper = lag_taper(samples);
@@ -177,12 +188,11 @@ double parameter_count(const ModalModel& model) {
 }  // namespace
 
 bool widens(const Identification& windowed, const IdentifyOptions& options) {
-  constexpr double clearly = 0.97;  // of the root mean square
   auto fit = options.fit;
   fit.taper = false;
   fit.deviations = Deviations::none;
   const auto without = fit_modes(windowed.responses, estimates(windowed.model), fit);
-  return windowed.model.error < clearly * without.error;
+  return windowed.model.error < options.window.clearly * without.error;
 }
 
 double evidence(const Identification& a, const Identification& b, const IdentifyOptions& options) {

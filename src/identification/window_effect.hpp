@@ -18,16 +18,14 @@
 
 namespace hydrapod::identification {
 
-/// Modes that leave less of the responses than this, as root mean square, leave no room for a
-/// window: averages of random excitation leave 2 % and more.
-inline constexpr double of_window = 0.01;
-
-/// Are they lines of a discrete transform on the imaginary axis, of which no window is known?
-bool may_be_windowed(const FrequencyResponses& responses);
+/// Are they lines of a discrete transform on the imaginary axis, no window of them is known, and
+/// they are few enough for a taper?
+bool may_be_windowed(const FrequencyResponses& responses, const WindowOptions& options);
 
 /// As estimated with this window: with its taper and the covariance of its lines. A block is as
 /// long as the distance of the lines says.
-FrequencyResponses with_window(FrequencyResponses responses, Window window);
+FrequencyResponses with_window(FrequencyResponses responses, Window window,
+                               const WindowOptions& options);
 
 /// Adds the errors above to those of `r`, which has a taper. 1/K is what `rest`, the residual of
 /// `model`, shows where they are largest.

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <numeric>
 
@@ -57,13 +56,6 @@ std::string limit_text(double limit, const data::ResponseWarning& w) {
 }
 
 /// A share in per cent, which two digits would show as 1e+02 from 99.5 on.
-/// "Hann" of "hann": windows that are named after somebody.
-std::string window_name(std::string name) {
-  if (name != "rectangular" && name != "flat-top" && !name.empty())
-    name[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(name[0])));
-  return name == "Blackman-harris" ? "Blackman-Harris" : name;
-}
-
 std::string two_digits(double share) {
   const double percent = 100.0 * share;
   return std::abs(percent) < 99.5 ? fmt::format("{:.2g}", percent) : fmt::format("{:.0f}", percent);
@@ -399,10 +391,10 @@ std::string warning_text(const identification::ModeWarning& w) {
           w.from, w.to, two_digits(w.share), two_digits(w.value));
     case Kind::window:
       return fmt::format(
-          "the responses are averages of blocks of {:.3g} s with a {} window, which widens their "
+          "the responses are averages of blocks of {:.3g} s {}, which widens their "
           "resonances: with this effect modes explain them far better from {:.4g} Hz to {:.4g} Hz; "
           "the frequencies and damping ratios are those without it",
-          w.value, window_name(w.window), w.from, w.to);
+          w.value, w.window == "hann" ? "with a Hann window" : "without a window", w.from, w.to);
   }
   return {};
 }

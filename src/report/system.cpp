@@ -77,9 +77,8 @@ std::string verdict_text(const SystemPoles& poles) {
   const std::string motion =
       omega > 0.0 ? fmt::format("oscillation at {:.4g} Hz", omega / two_pi) : "motion";
   const char* article = omega > 0.0 ? "an" : "a";
-  constexpr double rounding = 1e-9;
   std::string text =
-      stable && omega > 0.0 && std::abs(rate) <= rounding * omega
+      stable && omega > 0.0 && std::abs(rate) <= simulation::rounded_growth * omega
           ? fmt::format("stable: nothing grows, and nothing damps the {}", motion)
       : stable ? fmt::format("stable: the slowest {} decays with {:.3g} 1/s", motion, -rate)
                : fmt::format("UNSTABLE: {} {} grows with {:.3g} 1/s", article, motion, rate);
@@ -97,7 +96,7 @@ void describe(Fields& f, SystemPole& pole) {
   f("omega_rad_s", pole.omega);
   f.derived("frequency_hz", pole.omega / two_pi);
   f("damping_ratio", pole.damping_ratio);
-  f.derived("stable", pole.pole.real() < 0.0);
+  f.derived("stable", !simulation::grows(pole.pole));
   f("group", pole.group);
   f.derived("label", participation_text(pole));
   f.object("participation", [&](auto& parts) {
@@ -141,8 +140,8 @@ System system_from_json(const Json& json, const std::string& file) {
   system.closed = json.contains("controller");
   if (system.closed) system.tuning = controller_from_json(json["controller"], file);
   auto& poles = system.poles;
-  poles.stable = std::ranges::all_of(poles.poles,
-                                     [](const SystemPole& pole) { return pole.pole.real() < 0.0; });
+  poles.stable = std::ranges::none_of(
+      poles.poles, [](const SystemPole& pole) { return simulation::grows(pole.pole); });
   if (!poles.poles.empty()) poles.largest_real = poles.poles.front().pole.real();
   return system;
 }

@@ -59,13 +59,6 @@ SystemPole described(Complex pole, int group, const Eigen::VectorXd& shares,
   return found;
 }
 
-/// An oscillation that nothing damps, of a seal without a damper for instance, has a real part that
-/// is rounding alone: it does not grow.
-bool grows(Complex pole) {
-  constexpr double rounding = 1e-9;  // of |pole|
-  return pole.real() >= (pole.imag() > 0.0 ? rounding * std::abs(pole) : 0.0);
-}
-
 void sampled_poles(const LinearSystem& system, SystemPoles& found) {
   found.sampled_stable = found.stable;
   if (system.sampled.size() == 0) return;
@@ -84,6 +77,10 @@ void sampled_poles(const LinearSystem& system, SystemPoles& found) {
 }
 
 }  // namespace
+
+bool grows(Complex pole) {
+  return pole.real() >= (pole.imag() > 0.0 ? rounded_growth * std::abs(pole) : 0.0);
+}
 
 SystemPoles system_poles(const LinearSystem& system) {
   const Eigen::VectorXd d = numerics::balancing(system.A);

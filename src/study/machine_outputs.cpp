@@ -154,8 +154,7 @@ std::optional<std::string> why_no_column(const model::Machine& machine, ModelKin
     return "compares flexible legs with rigid ones, and plain struts have no guide sleeves";
   if (drop && rigid)
     return "compares flexible legs with rigid ones, which --model rigid has alone; expected "
-           "--model "
-           "guide or full";
+           "--model guide or full";
   if (name == "buckling" && rigid) return "is of flexible legs, and rigid legs do not buckle";
   if (name != "stroke" || std::ranges::any_of(machine.legs, has_stroke)) return {};
   if (struts) return "is what pistons have left, and plain struts have none";

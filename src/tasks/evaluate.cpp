@@ -245,11 +245,8 @@ std::vector<int> columns_asked(const ParametersFile& file, const model::Machine&
     if (at == outputs.end()) {
       std::vector<std::string_view> known;
       for (const auto& output : outputs) known.push_back(output.name);
-      const auto why = study::why_no_output(machine, kind, name);
-      if (why)
-        refuse_at(file.path, file.requests[k],
-                  fmt::format("{} {}; outputs of this machine are {}", name, *why,
-                              fmt::join(known, ", ")));
+      if (const auto text = no_output_text(machine, kind, outputs, name))
+        refuse_at(file.path, file.requests[k], *text);
       refuse_at(file.path, file.requests[k],
                 fmt::format("'{}' is no output; name them with --function NAME, one for each "
                             "function; outputs are {}",

@@ -117,15 +117,20 @@ std::vector<base::Diagnostic> of_other_poses(const Machine& machine,
   return errors;
 }
 
+std::optional<std::string> no_output_text(const model::Machine& machine, dynamics::ModelKind kind,
+                                          const std::vector<study::Column>& outputs,
+                                          std::string_view name) {
+  const auto why = study::why_no_output(machine, kind, name);
+  if (!why) return std::nullopt;
+  std::vector<std::string_view> names;
+  for (const auto& one : outputs) names.push_back(one.name);
+  return fmt::format("{} {}; outputs of this machine are {}", name, *why, fmt::join(names, ", "));
+}
+
 void require_output(const model::Machine& machine, dynamics::ModelKind kind,
                     const std::vector<study::Column>& outputs, std::string_view name,
                     const std::string& place) {
-  const auto why = study::why_no_output(machine, kind, name);
-  if (!why) return;
-  std::vector<std::string_view> names;
-  for (const auto& one : outputs) names.push_back(one.name);
-  base::refuse(place, fmt::format("{} {}; outputs of this machine are {}", name, *why,
-                                  fmt::join(names, ", ")));
+  if (const auto text = no_output_text(machine, kind, outputs, name)) base::refuse(place, *text);
 }
 
 study::Requirement requirement_of(const model::Machine& machine, dynamics::ModelKind kind,

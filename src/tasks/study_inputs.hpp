@@ -18,8 +18,12 @@ std::vector<base::Diagnostic> of_other_poses(const Machine& machine,
                                              const std::vector<study::Input>& inputs,
                                              const std::vector<model::NamedPose>& poses);
 
-/// Throws base::InputError for an output that other machines have and this one does not, with what
-/// it has.
+/// Why this machine does not have an output that others have, and what it has; none: it is no such
+/// output.
+std::optional<std::string> no_output_text(const model::Machine& machine, dynamics::ModelKind kind,
+                                          const std::vector<study::Column>& outputs,
+                                          std::string_view name);
+/// Throws base::InputError with that.
 void require_output(const model::Machine& machine, dynamics::ModelKind kind,
                     const std::vector<study::Column>& outputs, std::string_view name,
                     const std::string& place);

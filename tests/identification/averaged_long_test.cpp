@@ -11,10 +11,7 @@ namespace {
 void expect_honest_averages(const char* name, const Averaged& how) {
   const auto score = averaged_score(how, 60);
   test::print_class(name, "hydrapod", score);
-  EXPECT_EQ(score.found, score.wanted);
-  EXPECT_EQ(score.false_modes, 0);
-  EXPECT_GE(score.frequency_coverage(), 0.9);
-  EXPECT_GE(score.damping_coverage(), 0.9);
+  test::expect_honest(score);
 }
 
 TEST(AveragedLong, HannBlocksOf8Seconds) {

@@ -5,8 +5,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <complex>
 
 #include "found_pole.hpp"
+#include "hydrapod/base/error.hpp"
 
 namespace hydrapod::identification {
 namespace {
@@ -69,6 +72,48 @@ TEST(AveragedResponses, WithoutBlocksNoWindowIsNamed) {
     EXPECT_EQ(named_window(found), "") << spacing;
     ASSERT_EQ(found.modes.size(), 5U) << spacing;
   }
+}
+
+/// Lines a third of a hertz apart, as a table of two digits has them.
+TEST(AveragedResponses, MayBeRoundedToTheDigitsOfATable) {
+  auto r = averaged_responses({.block = 742, .blocks = 211.0}, 7);
+  for (double& f : r.frequency) f = std::round(100.0 * f) / 100.0;
+  const auto found = identify_modes(r);
+  EXPECT_EQ(named_window(found), "hann");
+  EXPECT_EQ(found.modes.size(), 5U);
+}
+
+/// Frequencies of a list whose smallest distance has no meaning: a block of it would have a million
+/// times as many lines.
+TEST(AveragedResponses, AListOfFrequenciesHasNoBlocks) {
+  const auto system = frame(2);
+  test::Random random(29);
+  FrequencyResponses r = averaged_responses({.block = 512, .blocks = 9.0}, 3);
+  r.frequency = {5.000001, 5.000002};
+  for (int k = 0; k < 211; ++k)
+    r.frequency.push_back(1e-6 * std::round(2.17e6 * std::pow(13.7, k / 210.0)));
+  std::ranges::sort(r.frequency);
+  r.H.clear();
+  for (const double f : r.frequency) {
+    r.H.push_back(system.response(f));
+    for (auto& h : r.H.back().reshaped())
+      h *= 1.0 + 0.03 * std::complex<double>(test::normal(random), test::normal(random));
+  }
+  EXPECT_EQ(named_window(identify_modes(r)), "");
+}
+
+/// Also while windows are tried.
+TEST(AveragedResponses, AreLeftWhenProgressStops) {
+  const auto r = averaged_responses({.block = 1024}, 3);
+  int calls = 0;
+  const auto found = identify_modes(r, {}, [&](double) { ++calls; });
+  ASSERT_EQ(named_window(found), "hann");
+  int left = calls;
+  EXPECT_THROW(identify_modes(r, {},
+                              [&](double) {
+                                if (--left == 0) throw base::ComputationError("interrupted");
+                              }),
+               base::ComputationError);
 }
 
 }  // namespace

@@ -8,11 +8,7 @@ namespace {
 void expect_honest(const char* name, const std::vector<HammerTest>& hammers) {
   const auto score = hammer_score(hammers, 60);
   test::print_class(name, "hydrapod", score);
-  EXPECT_EQ(score.found, score.wanted);
-  EXPECT_EQ(score.false_modes, 0);
-  // 180 intervals that hold the truth 95 % of the time: 90 % is three standard errors below
-  EXPECT_GE(score.frequency_coverage(), 0.9);
-  EXPECT_GE(score.damping_coverage(), 0.9);
+  test::expect_honest(score);
 }
 
 TEST(HitsLong, One) { expect_honest("one hit, 0.03 % noise", {{}}); }

@@ -467,8 +467,7 @@ const std::vector<WrongInput> wrong_overrides{
      {},
      {"platform.mass[0]=1"},
      "--set platform.mass[0]=1: error: platform.mass[0]: `platform.mass` is the number 1500, not "
-     "an "
-     "array"},
+     "an array"},
     {"OverrideBelowANumber",
      {},
      {"platform.mass.x=1"},

@@ -1,6 +1,7 @@
 #include "support/identification_score.hpp"
 
 #include <fmt/format.h>
+#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
@@ -136,6 +137,13 @@ std::vector<TrueMode> within_band(std::vector<TrueMode> modes, double from, doub
     return f < from || f > to;
   });
   return modes;
+}
+
+void expect_honest(const ClassScore& score) {
+  EXPECT_EQ(score.found, score.wanted);
+  EXPECT_EQ(score.false_modes, 0);
+  EXPECT_GE(score.frequency_coverage(), 0.9);
+  EXPECT_GE(score.damping_coverage(), 0.9);
 }
 
 }  // namespace hydrapod::test

@@ -55,6 +55,9 @@ struct ClassScore {
 /// | class | method | seeds | found | false per record | Δω median (largest) | Δζ | coverage ω, ζ,
 /// φ |
 std::string class_row(const std::string& name, const std::string& method, const ClassScore& score);
+/// Expects that all are found, none is false, and that intervals hold the truth in 90 % or more: of
+/// 180 that promise 95 % that is three standard errors below.
+void expect_honest(const ClassScore& score);
 /// Prints a row of the table to stdout.
 void print_class(const std::string& name, const std::string& method, const ClassScore& score);
 

@@ -128,6 +128,20 @@ TEST(RoundTrip, System) {
                       report::system_from_json, report::system_json);
 }
 
+/// What nothing damps has a real part of rounding, of either sign.
+TEST(RoundTrip, SystemOfAnUndampedOscillationIsStable) {
+  auto system = tasks::system(heavy(), {.closed = false});
+  ASSERT_TRUE(system.poles.stable);
+  for (const double rounding : {-3e-11, 3e-11}) {
+    system.poles.poles.front().pole = {rounding, 271.3};
+    const auto json = report::system_json(system);
+    EXPECT_EQ(json["poles"][0]["stable"], true);
+    EXPECT_TRUE(report::system_from_json(json, "system.json").poles.stable);
+  }
+  system.poles.poles.front().pole = {1e-3, 271.3};
+  EXPECT_EQ(report::system_json(system)["poles"][0]["stable"], false);
+}
+
 TEST(RoundTrip, RootLocus) {
   const auto locus =
       tasks::root_locus(heavy(), {.key = "controller.gain", .from = 1.0, .to = 2.0, .count = 2});

@@ -1,18 +1,15 @@
 #pragma once
 /// From frequency responses to modes without a choice to make.
 ///
-/// 1. Band: from the first to the last frequency at which the responses stand above their noise.
-///    Where all poles lie in its lower part it is narrowed to what they need, and the search
-///    repeated.
+/// 1. Band: from the first to the last frequency at which the responses stand above their noise,
+///    narrowed to what poles need where all lie in its lower part.
 /// 2. Poles of all model orders, clusters of those that come back (poles.hpp).
 /// 3. Maximum-likelihood fit of the modal model to all of them.
-/// 4. What the fit shows to be nothing is taken out, and the rest fitted again: modes that do not
-///    stand above the noise, whose frequency or damping is not determined, that left the band, or
-///    that double another (nearly the same pole and shape).
-/// 5. Modes with little damping are the machine's modes; heavily damped poles (a controller's, a
-///    delay's) stay in the model and are listed apart.
-/// 6. Is the residual what noise explains, in every response and part of the band? Else the result
-///    says where it is not, and the quality of modes there falls.
+/// 4. What does not stand above the noise, has no determined frequency or damping, left the band or
+///    doubles another is taken out, and the rest fitted again.
+/// 5. Heavily damped poles (a controller's, a delay's) stay in the model and are listed apart.
+/// 6. Is the residual noise, in every response and part of the band? Else the result says where it
+///    is not, and the quality of modes there falls.
 ///
 /// Responses without errors get assumed ones, from what of them, and then of the residual, is rough
 /// along frequency: so 3 to 6 are the same for responses of records and of files.
@@ -42,12 +39,10 @@
 /// El-Kafafy, P. Guillaume, B. Peeters, Mech. Syst. Signal Process. 37 (2013) 1 (modal model).
 ///
 /// How much frequencies and damping scatter when the averages are drawn anew: a check of the
-/// intervals that needs none of their theory.
-///
-/// The blocks of a record are kept in G groups of neighbours. A resample draws G groups with
-/// replacement, averages their spectra, estimates the responses anew and fits the modes that were
-/// found, starting from them. The standard deviation over resamples, times √(G/(G − 1)), estimates
-/// that of the frequency and the damping ratio.
+/// intervals that needs none of their theory. The blocks of a record are kept in G groups of
+/// neighbours. A resample draws G groups with replacement, averages their spectra, estimates the
+/// responses anew and fits the modes that were found, starting from them. The standard deviation
+/// over resamples, times √(G/(G − 1)), estimates that of the frequency and the damping ratio.
 ///
 /// Source: B. Efron, R. J. Tibshirani, An Introduction to the Bootstrap (1993), ch. 6 and 8.
 ///
@@ -58,9 +53,8 @@
 ///
 /// over G − 1 is distributed as F(G − 1, ν), σ_g being the deviations that the fits of the groups
 /// state and ν = Σ_g (K_g − p) the degrees of freedom of the noise estimates that they follow from;
-/// those of several lines count as one, so that the test is careful. A mode that wanders has a
-/// resonance that is widened in the mean over the record: its damping is too high, and its
-/// intervals hold neither frequency nor damping.
+/// those of several lines count as one, so that the test is careful. A mode that wanders is widened
+/// in the mean over the record: its damping is too high, and its intervals hold neither number.
 
 #include <algorithm>
 #include <cstdint>
@@ -289,9 +283,7 @@ struct IdentifyOptions {
   /// A block shorter than this over the half-power bandwidth ζ ω/π of a mode is a warning: modes
   /// that are nearer to each other than its two lines come out as one that is too wide.
   double fewest_lines_wide{2.0};
-  /// Responses without a stated window are taken for averages with one where its difference of BIC
-  /// is above this, "very strong" by Kass and Raftery, J. Am. Stat. Assoc. 90 (1995) 773.
-  double window_evidence{10.0};
+  WindowOptions window{};
   AssumedErrorOptions assumed_errors{};
   ResidualTestOptions residual_test{};
   RecordOptions record{};
@@ -373,7 +365,7 @@ struct ModeWarning {
   Kind kind{};
   double value{};
   double from{}, to{};
-  double smooth{}, share{};       ///< of Unexplained
+  double smooth{}, share{};                 ///< of Unexplained
   std::string output{}, input{}, window{};  ///< names
   std::int64_t count{}, total{};
 };

@@ -135,6 +135,24 @@ AverageStatistics average_statistics(const Eigen::VectorXd& window, int hop, lon
 /// also what does not fit into a block any more is then known.
 Eigen::VectorXd lag_taper(const Eigen::VectorXd& window, const Eigen::VectorXd& power = {});
 
+/// Responses of a file that does not say with which window they were averaged, if with any: when
+/// one is taken to be known. Without it modes leave more than noise, with it noise alone.
+struct WindowOptions {
+  /// Modes leave this share of the responses (RMS) or more: averages under random excitation leave
+  /// 0.02 and more, and what a window adds to less is little beside it.
+  double least_left{0.01};
+  /// The same modes leave, RMS, with the window < clearly · what they leave without it. Without a
+  /// window the two are alike: a fit of poles takes up what is no more than rounding of peaks.
+  double clearly{0.97};
+  /// BIC without it − BIC with it > evidence: "very strong" by Kass and Raftery, J. Am. Stat.
+  /// Assoc. 90 (1995) 773.
+  double evidence{10.0};
+  /// Lines are multiples of their distance to this share of it: digits of a text file. Of all
+  /// multiples between the first and the last line at least half are there.
+  double rounded{0.02}, filled{0.5};
+  int longest{1 << 16};  ///< samples of the taper at most, four per period of the last line
+};
+
 struct SpectrumOptions {
   int block_length{};           ///< n [samples], even, at least 8
   double overlap{0.5};          ///< 0 … < 1, share of a block that the next one has too

@@ -146,14 +146,19 @@ struct SystemPole {
   [[nodiscard]] bool oscillates() const { return pole.imag() > 0.0; }
 };
 
+/// Re λ of an oscillation that nothing damps, as of a seal without a damper, is rounding alone:
+/// within this share of |λ|. It does not grow.
+inline constexpr double rounded_growth = 1e-9;
+bool grows(std::complex<double> pole);
+
 struct SystemPoles {
   std::vector<SystemPole> poles{};  ///< least damped in time first: by Re λ, descending
-  bool stable{};                    ///< all Re λ < 0
+  bool stable{};                    ///< none grows
   double largest_real{};            ///< max Re λ [1/s]
   /// Of the sampled loop: exact. Equal to 1 in growth is the limit.
   std::vector<std::complex<double>> sampled{};  ///< s = ln(z)/T [1/s], Im ≥ 0, by Re, descending
   double largest_modulus{};                     ///< max |z|
-  bool sampled_stable{};                        ///< max |z| < 1
+  bool sampled_stable{};                        ///< none grows
 };
 
 SystemPoles system_poles(const LinearSystem& system);

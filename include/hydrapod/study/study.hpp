@@ -20,8 +20,8 @@
 ///     S_k = mean(f(B) (f(A_k) − f(A))) / V        (Saltelli et al. 2010)
 ///     T_k = mean((f(A) − f(A_k))²) / (2 V)        (Jansen 1999)
 ///
-/// Their intervals are percentiles of a bootstrap over groups of samples.
-/// Source: A. Saltelli et al., Comput. Phys. Commun. 181 (2010) 259.
+/// Their intervals are percentiles of a bootstrap over groups of samples (A. Saltelli et al.,
+/// Comput. Phys. Commun. 181 (2010) 259).
 
 #include <array>
 #include <cstdint>
@@ -65,7 +65,6 @@ double quantile(const Distribution& distribution, double u);
 Distribution read_distribution(std::string_view text, std::string_view unit, double nominal,
                                const std::string& place);
 
-/// One number that varies.
 struct Input {
   std::string name{};  ///< path in the machine file
   std::string unit{};  ///< SI
@@ -73,7 +72,6 @@ struct Input {
   model::ParameterId id{};
 };
 
-/// One number that is computed.
 struct Column {
   std::string name{};
   std::string unit{};
@@ -83,7 +81,6 @@ struct Column {
 /// Fills a row of outputs from a row of inputs. What cannot be computed is NaN.
 using Model = std::function<void(std::span<const double> inputs, std::span<double> outputs)>;
 
-/// One row of a batch.
 struct Row {
   std::span<const double> inputs{};
   std::span<double> outputs{};
@@ -96,12 +93,9 @@ using BatchModel = std::function<std::size_t(std::span<const Row>)>;
 struct Problem {
   std::vector<Input> inputs{};
   std::vector<Column> outputs{};
-  /// A model for the use of one thread.
-  std::function<Model()> model{};
-  /// The same for many rows at once, where there is such a one; run() prefers it.
-  std::function<BatchModel()> batch{};
-  /// Column of `outputs` that is 0 for a sample that was computed; −1: none.
-  int status{-1};
+  std::function<Model()> model{};       ///< for the use of one thread
+  std::function<BatchModel()> batch{};  ///< for many rows at once, or none; run() prefers it
+  int status{-1};  ///< column of `outputs` that is 0 for a sample that was computed; −1: none
 };
 
 enum class Design {
@@ -211,7 +205,6 @@ class Spool {
   [[nodiscard]] std::size_t width() const { return width_; }
   /// Calls `take` with the rows of a chunk, row by row, and the number of the first.
   void each_chunk(const std::function<void(std::uint64_t, std::span<const double>)>& take) const;
-  /// One row.
   [[nodiscard]] std::vector<double> row(std::uint64_t index) const;
 
  private:
@@ -328,10 +321,9 @@ Problem machine_problem(const model::Machine& machine, std::vector<Input> inputs
 
 /// Frequencies of many designs of one machine at one pose, several at a time in SIMD lanes; for one
 /// thread. They are those of modal::modes_with_elastomers() but for rounding (1e-12 of each; 5e-11
-/// under gravity beside nearly rigid sleeves). They do not depend on the designs beside.
+/// under gravity beside nearly rigid sleeves), whatever designs are beside. `pose`: MachineOptions.
 class DesignFrequencies {
  public:
-  /// `pose`: as MachineOptions::pose.
   DesignFrequencies(const model::Machine& machine, const spatial::Pose& X_BP,
                     dynamics::ModelKind kind, const std::vector<model::ParameterId>& ids,
                     std::string pose = {});
@@ -383,9 +375,8 @@ struct DesignProblem {
 /// Outputs of machine_problem(), `buckling` among them, then those of these that the machine has:
 /// `power` of the pump, `sag` (largest static offset of a rod at its guide sleeve), `oil_force`
 /// (largest static one of a leg, of a strut or screw where it has no oil), and `force_x` …
-/// `excursion_rz`: what the machine can do from rest in both senses of a direction
-/// (simulation/capability.hpp).
-/// `outputs`, `requirements` and `aims` of `problem` may still be empty.
+/// `excursion_rz`: what the machine can do from rest in both senses of a direction, see
+/// simulation/capability.hpp. The rest of `problem` may still be empty.
 std::vector<Column> design_outputs(const DesignProblem& problem);
 
 /// Why machine_problem() and design_outputs() of this machine lack an output that other machines
@@ -497,8 +488,7 @@ struct StudyFile {
   struct Given {
     std::string key{}, text{}, place{};
   };
-  std::vector<Given> vary{};
-  std::vector<Given> want{};
+  std::vector<Given> vary{}, want{};
   std::optional<std::uint64_t> samples{}, seed{};
   std::optional<Design> design{};
   bool indices{}, buckling{};
