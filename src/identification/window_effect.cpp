@@ -148,16 +148,12 @@ void add_leakage(FrequencyResponses& r, const data::PerLine<MatrixXcd>& rest,
                  const ModalModel& model) {
   const auto leak = leakage(r, rest, model);
   const double factor = per_block(r, rest, leak);
-  std::vector<double> squares;
   for (std::size_t k = 0; k < r.lines(); ++k) {
-    r.noise[k] += factor * leak[k];
-    for (Index o = 0; o < r.H[k].rows(); ++o)
-      for (Index i = 0; i < r.H[k].cols(); ++i)
-        squares.push_back(std::norm(rest[k](o, i)) / r.variance(k, o, i));
+    // what is rough along frequency holds a part of it already
+    const VectorXd rough = r.noise[k].diagonal().real();
+    r.noise[k] = factor * leak[k];
+    r.noise[k].diagonal() = rough.cwiseMax(r.noise[k].diagonal().real()).cast<Complex>();
   }
-  // what is rough along frequency holds a part of it already
-  const double twice = std::min(1.0, mean_by_median(std::move(squares)));
-  for (auto& noise : r.noise) noise *= twice;
 }
 
 namespace {

@@ -27,8 +27,8 @@ bool may_be_windowed(const FrequencyResponses& responses, const WindowOptions& o
 FrequencyResponses with_window(FrequencyResponses responses, Window window,
                                const WindowOptions& options);
 
-/// Adds the errors above to those of `r`, which has a taper. 1/K is what `rest`, the residual of
-/// `model`, shows where they are largest.
+/// Adds the errors above to those of `r`, which has a taper: at each line the larger of both. 1/K
+/// is what `rest`, the residual of `model`, shows where they are largest.
 void add_leakage(FrequencyResponses& r, const data::PerLine<Eigen::MatrixXcd>& rest,
                  const ModalModel& model);
 

@@ -85,12 +85,14 @@ FrequencyResponses averaged_responses(const Averaged& how, std::uint64_t seed) {
   return r;
 }
 
-test::ClassScore averaged_score(const Averaged& how, int seeds) {
+test::ClassScore averaged_score(const Averaged& how, int seeds, const IdentifyOptions& options,
+                                double least_quality) {
   test::ClassScore score;
-  for (int seed = 1; seed <= seeds; ++seed)
-    score.add(test::true_modes(frame(how.inputs)),
-              test::found_modes(
-                  identify_modes(averaged_responses(how, static_cast<std::uint64_t>(seed)))));
+  for (int seed = 1; seed <= seeds; ++seed) {
+    auto found = identify_modes(averaged_responses(how, static_cast<std::uint64_t>(seed)), options);
+    std::erase_if(found.modes, [&](const auto& mode) { return mode.quality() < least_quality; });
+    score.add(test::true_modes(frame(how.inputs)), test::found_modes(found));
+  }
   return score;
 }
 

@@ -28,6 +28,8 @@ test::ModalSystem frame(Eigen::Index inputs);
 /// H1 from 1.1 Hz to 40 Hz.
 FrequencyResponses averaged_responses(const Averaged& how, std::uint64_t seed);
 
-test::ClassScore averaged_score(const Averaged& how, int seeds);
+/// Of modes whose quality is at least `least_quality`.
+test::ClassScore averaged_score(const Averaged& how, int seeds, const IdentifyOptions& options = {},
+                                double least_quality = 0.0);
 
 }  // namespace hydrapod::identification
