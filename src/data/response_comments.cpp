@@ -36,6 +36,10 @@ std::string description(const FrequencyResponses& all) {
     json["sample_rate_hz"] = all.sample_rate;
     json["taper"] = std::vector<double>(all.taper.begin(), all.taper.end());
   }
+  if (!all.leakage.line_covariance.empty())
+    json["leakage"] = {{"rate_per_s2", all.leakage.rate},
+                       {"line_covariance", all.leakage.line_covariance},
+                       {"relation", all.leakage.relation}};
   return json.dump();
 }
 
@@ -75,6 +79,18 @@ void take_taper(const Json& json, FrequencyResponses& all) {
   all.taper = Eigen::VectorXd::Map(taper.data(), static_cast<Index>(taper.size()));
 }
 
+void take_leakage(const Json& json, FrequencyResponses& all) {
+  auto& leakage = all.leakage;
+  leakage.rate = number(json, "rate_per_s2");
+  leakage.line_covariance = json.at("line_covariance").get<std::vector<double>>();
+  leakage.relation = json.at("relation").get<std::vector<double>>();
+  const auto sound = [](double a) { return std::abs(a) <= 1.0; };
+  if (leakage.relation.size() != leakage.line_covariance.size() ||
+      !std::ranges::all_of(leakage.line_covariance, sound) ||
+      !std::ranges::all_of(leakage.relation, sound))
+    refuse("leakage");
+}
+
 FrequencyResponses from_json(const std::string& text, const RecordHeader& header) {
   const Json json = Json::parse(text);
   FrequencyResponses all{.title = header.title, .date = header.date};
@@ -91,6 +107,7 @@ FrequencyResponses from_json(const std::string& text, const RecordHeader& header
   all.shift = number(json, "shift_per_s");
   take_line_covariance(json.at("line_covariance"), all);
   if (json.contains("taper")) take_taper(json, all);
+  if (json.contains("leakage")) take_leakage(json.at("leakage"), all);
   all.geometry = header.geometry;
   all.id_lines = json.value("id_lines", std::vector<std::vector<std::string>>{});
   if (!all.id_lines.empty() && all.id_lines.size() != all.outputs.size() * all.inputs.size())

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "hydrapod/numerics/dense.hpp"
+#include "leakage.hpp"
 #include "line_weights.hpp"
 #include "output_errors.hpp"
 
@@ -23,7 +24,7 @@ class Propagation {
   using Factors = std::vector<VectorXd>;
 
   Propagation(const FitSystem& system, const FrequencyResponses& responses, const FitState& state,
-              const std::vector<MatrixXd>& X)
+              const std::vector<MatrixXd>& X, const LeakageParts& let_in)
       : system_(system),
         responses_(responses),
         state_(state),
@@ -41,7 +42,7 @@ class Propagation {
     if (responses.whole)
       errors_.emplace(responses, state.shared.poles);
     else
-      add_coherence();
+      add_coherence(let_in);
   }
 
   /// vᵀ Jᵀ cov(e) J v.
@@ -53,31 +54,58 @@ class Propagation {
     return all;
   }
 
-  [[nodiscard]] double variance(const Factors& factors) const {
-    const MatrixXcd F = changes(factors);
+  /// `first`: the output of the first factors.
+  [[nodiscard]] double variance(const Factors& factors, Index first = 0) const {
+    const MatrixXcd F = changes(factors, first);
     if (errors_) return not_below_zero(errors_->variance(of_plain_errors(F)));
     // estimates of what lines have in common can make a sum below 0: then they are worth nothing
-    const double correlated = variance_of(F, smoothed(F));
-    return correlated > 0.0 ? correlated : not_below_zero(variance_of(F, F));
+    const double correlated = variance_of(F, smoothed(F, responses_.line_covariance), first);
+    const double noise = correlated > 0.0 ? correlated : not_below_zero(variance_of(F, F, first));
+    return let_in_.size() > 0 ? noise + not_below_zero(variance_of_leakage(F, first)) : noise;
   }
 
  private:
-  [[nodiscard]] double variance_of(const MatrixXcd& F, const MatrixXcd& S) const {
-    const Index p = system_.inputs(), outputs = system_.outputs();
+  [[nodiscard]] double variance_of(const MatrixXcd& F, const MatrixXcd& S, Index first) const {
+    const Index p = system_.inputs(), outputs = system_.outputs(), some = F.cols() / p;
     double sum = 0.0;
-    for (Index o = 0; o < outputs; ++o)
-      for (Index q = 0; q < outputs; ++q) {
+    for (Index o = 0; o < some; ++o)
+      for (Index q = 0; q < some; ++q) {
         if (!responses_.has_errors() && o != q) continue;
         const VectorXcd product =
             F.middleCols(o * p, p).conjugate().cwiseProduct(S.middleCols(q * p, p)).rowwise().sum();
-        sum += coherence_.col(o * outputs + q).cwiseProduct(product).real().sum();
+        sum += coherence_.col((first + o) * outputs + first + q).cwiseProduct(product).real().sum();
       }
     return 0.5 * sum;
   }
 
-  /// The outputs' noise, each to its own deviation: cov(e_o, e_p*), o outputs + p.
-  void add_coherence() {
-    const Index outputs = system_.outputs();
+  /// z_ji = Σ_o D_oj* F_oi: zᴴ a z, and of the relation z_jiᴴ b z_ij*.
+  [[nodiscard]] double variance_of_leakage(const MatrixXcd& F, Index first) const {
+    const Index p = system_.inputs();
+    std::vector<MatrixXcd> z;
+    for (Index j = 0; j < p; ++j) {
+      z.emplace_back(MatrixXcd::Zero(F.rows(), p));
+      for (Index o = 0; o < F.cols() / p; ++o)
+        z.back() +=
+            let_in_.col((first + o) * p + j).conjugate().asDiagonal() * F.middleCols(o * p, p);
+    }
+    const auto& leakage = responses_.leakage;
+    const std::vector<Complex> a(leakage.line_covariance.begin(), leakage.line_covariance.end()),
+        b(leakage.relation.begin(), leakage.relation.end());
+    double sum = 0.0;
+    for (Index j = 0; j < p; ++j) {
+      const auto& own = z[static_cast<size_t>(j)];
+      sum += own.conjugate().cwiseProduct(smoothed(own, a)).real().sum();
+      const MatrixXcd related = smoothed(own, b);
+      for (Index i = 0; i < p; ++i)
+        sum += z[static_cast<size_t>(i)].col(j).cwiseProduct(related.col(i)).real().sum();
+    }
+    return 0.5 * sum;
+  }
+
+  /// The outputs' noise without leakage, each to its own deviation: cov(e_o, e_p*), o outputs + p.
+  void add_coherence(const LeakageParts& let_in) {
+    const Index outputs = system_.outputs(), inputs = system_.inputs();
+    if (!let_in.D.empty()) let_in_.resize(system_.lines(), outputs * inputs);
     coherence_ = MatrixXcd::Ones(system_.lines(), outputs * outputs);
     if (!responses_.has_errors()) return;
     const auto& deviation = system_.deviation();
@@ -87,6 +115,14 @@ class Propagation {
       for (Index o = 0; o < outputs; ++o)
         for (Index p = 0; p < outputs; ++p)
           coherence_(k, o * outputs + p) = S(o, p) * Q / (deviation(k, o) * deviation(k, p));
+      if (let_in.D.empty()) continue;
+      for (Index o = 0; o < outputs; ++o) {
+        let_in_.row(k).segment(o * inputs, inputs) =
+            std::sqrt(Q) / deviation(k, o) * let_in.D[static_cast<size_t>(k)].row(o);
+        for (Index p = 0; p < outputs; ++p)
+          coherence_(k, o * outputs + p) *=
+              std::sqrt((1.0 - let_in.share(k, o)) * (1.0 - let_in.share(k, p)));
+      }
     }
   }
 
@@ -105,8 +141,8 @@ class Propagation {
   }
 
   /// The columns times their factors, whitened: entry o p + i, a row per line.
-  [[nodiscard]] MatrixXcd changes(const Factors& factors) const {
-    const Index p = system_.inputs(), outputs = system_.outputs();
+  [[nodiscard]] MatrixXcd changes(const Factors& factors, Index first) const {
+    const Index p = system_.inputs(), outputs = static_cast<Index>(factors.size());
     const Index n = state_.functions.re.cols(), count = slopes_.re.cols() / p;
     MatrixXd by_functions(n, p * outputs), by_slopes(count, outputs);
     for (Index o = 0; o < outputs; ++o) {
@@ -123,14 +159,13 @@ class Propagation {
         auto column = white.col(o * p + i);
         for (Index j = 0; j <= i; ++j)  // W is lower triangular
           column += whitening_.col(i * p + j).cwiseProduct(plain.col(o * p + j));
-        column.array() /= system_.deviation().col(o).array();
+        column.array() /= system_.deviation().col(first + o).array();
       }
     return white;
   }
 
   /// Each line with its neighbours, as their noise goes together.
-  [[nodiscard]] MatrixXcd smoothed(const MatrixXcd& F) const {
-    const auto& a = responses_.line_covariance;
+  [[nodiscard]] static MatrixXcd smoothed(const MatrixXcd& F, const std::vector<Complex>& a) {
     MatrixXcd S = a[0] * F;
     const Index lines = F.rows();
     for (Index d = 1; d < std::min(lines, static_cast<Index>(a.size())); ++d) {
@@ -147,6 +182,7 @@ class Propagation {
   Parts slopes_;
   MatrixXcd whitening_;                // lines × inputs², column i p + j
   MatrixXcd coherence_;                // lines × outputs²
+  MatrixXcd let_in_;                   // D in column o p + j, a row per line; empty: none
   std::vector<MatrixXd> derivatives_;  // of the columns (c_a e_i, d), by the shared parameters
   std::optional<OutputErrors> errors_;
 };
@@ -256,7 +292,9 @@ MatrixXcd modelled(const ModalModel& model, const std::vector<PoleLines>& lines,
 }
 
 void add_deviations(const FitSystem& system, const FrequencyResponses& responses,
-                    const FitState& state, Deviations asked, double misfit, ModalModel& model) {
+                    const FitState& state, const FitOptions& options, double misfit,
+                    ModalModel& model) {
+  const Deviations asked = options.deviations;
   const Index modes = state.shared.poles.size(), shared = system.shared_count(modes);
   MatrixXd N = MatrixXd::Zero(shared, shared);
   std::vector<MatrixXd> X, own_inverse;
@@ -270,12 +308,19 @@ void add_deviations(const FitSystem& system, const FrequencyResponses& responses
   }
   const double scale = responses.has_errors() ? std::max(1.0, misfit) : misfit;
   const MatrixXd N_inverse = numerics::inverse_positive(N);
-  const Propagation propagation(system, responses, state, X);
+  const auto let_in = leakage_parts(responses, model, options);
+  const Propagation propagation(system, responses, state, X, let_in);
   const auto variance = [&](const VectorXd& v) { return scale * propagation.variance(v); };
   std::optional<ShapeErrors> shape_errors;
   if (responses.whole) shape_errors.emplace(system, state, propagation, X, own_inverse, N_inverse);
   const VectorXd sizes = row_sizes(responses);
   const double neighbours = lines_in_step(responses);
+  std::vector<MatrixXd> own;  // derivatives by own parameters
+  if (asked == Deviations::all && !let_in.D.empty())
+    for (Index o = 0; o < system.outputs(); ++o) {
+      const MatrixXd T = system.derivatives(state, o);
+      own.emplace_back(T.rightCols(T.cols() - shared));
+    }
   for (Index r = 0; r < modes; ++r) {
     auto& mode = model.modes[static_cast<size_t>(r)];
     const auto [omega, zeta] = frequency_and_damping(mode.pole);
@@ -292,9 +337,12 @@ void add_deviations(const FitSystem& system, const FrequencyResponses& responses
     for (Index o = 0; o < system.outputs(); ++o) {
       const auto at = static_cast<size_t>(o);
       const MatrixXd by_poles = numerics::times(N_inverse, X[at].middleRows<2>(2 * r).transpose());
+      const double of_own =
+          let_in.D.empty() ? 0.5 * neighbours * own_inverse[at].block<2, 2>(2 * r, 2 * r).trace()
+                         : propagation.variance({own[at] * own_inverse[at].col(2 * r)}, o) +
+                               propagation.variance({own[at] * own_inverse[at].col(2 * r + 1)}, o);
       mode.shape_deviation[o] =
-          std::sqrt(variance(by_poles.col(0)) + variance(by_poles.col(1)) +
-                    0.5 * scale * neighbours * own_inverse[at].block<2, 2>(2 * r, 2 * r).trace());
+          std::sqrt(variance(by_poles.col(0)) + variance(by_poles.col(1)) + scale * of_own);
     }
   }
 }

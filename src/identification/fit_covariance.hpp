@@ -19,6 +19,7 @@ Eigen::MatrixXcd modelled(const ModalModel& model, const std::vector<PoleLines>&
 /// freedom; where it is above 1 all variances grow with it, and without known errors it is what
 /// they are.
 void add_deviations(const FitSystem& system, const FrequencyResponses& responses,
-                    const FitState& state, Deviations asked, double misfit, ModalModel& model);
+                    const FitState& state, const FitOptions& options, double misfit,
+                    ModalModel& model);
 
 }  // namespace hydrapod::identification

@@ -132,7 +132,7 @@ std::optional<ModalModel> fitted(const FrequencyResponses& responses,
   for (Index r = 0; r < significance.size(); ++r)
     model.modes[static_cast<size_t>(r)].significance = significance[r];
   if (options.deviations != Deviations::none)
-    add_deviations(system, responses, state, options.deviations, misfit, model);
+    add_deviations(system, responses, state, options, misfit, model);
   return model;
 }
 

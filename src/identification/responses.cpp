@@ -210,6 +210,11 @@ FrequencyResponses estimate_responses(const CrossSpectra& spectra, const Channel
   r.line_covariance.assign(covariance.begin(), covariance.end());
   const bool widened = !periodic && estimator != Estimator::instrumental;
   if (widened) r.taper = lag_taper(spectra);
+  // bursts lie within blocks: their windows let in less
+  if (widened && estimator == Estimator::h1 && r.degrees > 0.0 &&
+      r.taper == lag_taper(spectra.window))
+    r.leakage = {spectra.statistics.leakage_rate * std::pow(r.sample_rate, 2) / r.degrees,
+                 spectra.statistics.leakage_covariance, spectra.statistics.leakage_relation};
   // the mean and the slow rest of it are in the first lines, in as many as the window is wide
   const Index first = periodic ? 1 : static_cast<Index>(r.line_covariance.size());
   const VectorXd conditions = input_conditions(

@@ -48,26 +48,52 @@ VectorXd window_samples(Window window, int length) {
   return w;
 }
 
+namespace {
+
+/// dw/dt of a window that ends as it begins.
+VectorXd slopes_of(const VectorXd& window) {
+  const Index n = window.size();
+  VectorXd slope(n);
+  for (Index t = 0; t < n; ++t) slope[t] = 0.5 * (window[(t + 1) % n] - window[(t + n - 1) % n]);
+  return slope;
+}
+
+}  // namespace
+
 AverageStatistics average_statistics(const VectorXd& window, int hop, long blocks) {
   constexpr int most_lines = 12;
   constexpr double negligible = 1e-4;
   const auto n = static_cast<int>(window.size());
   const double power = window.squaredNorm(), count = static_cast<double>(blocks);
+  const VectorXd slope = slopes_of(window);
+  const double slope_power = slope.squaredNorm();
   AverageStatistics result;
+  result.leakage_rate = slope_power / power;
   double own = 0.0;
   for (int d = 0; d < most_lines; ++d) {
-    double sum = 0.0;
+    double sum = 0.0, let_in = 0.0, turned_in = 0.0;
     for (long m = 0; m < blocks && m * hop < n; ++m) {
       const auto shift = static_cast<int>(m * hop);
-      std::complex<double> c = 0.0;
-      for (int t = 0; t + shift < n; ++t)
-        c += window[t] * window[t + shift] * std::polar(1.0, -two_pi * d * t / n);
+      Complex c = 0.0, of_slopes = 0.0, later = 0.0, earlier = 0.0;
+      for (int t = 0; t + shift < n; ++t) {
+        const Complex turned = std::polar(1.0, -two_pi * d * t / n);
+        c += window[t] * window[t + shift] * turned;
+        of_slopes += slope[t] * slope[t + shift] * turned;
+        later += window[t] * slope[t + shift] * turned;
+        earlier += slope[t] * window[t + shift] * turned;
+      }
       const double both = m == 0 ? 1.0 : 2.0;  // m and −m
-      sum += both * (1.0 - static_cast<double>(m) / count) * std::norm(c / power);
+      const double share = both * (1.0 - static_cast<double>(m) / count);
+      sum += share * std::norm(c / power);
+      if (!(slope_power > 0.0)) continue;
+      let_in += share * (of_slopes / slope_power * std::conj(c / power)).real();
+      turned_in -= share * (later / slope_power * std::conj(earlier / power)).real();
     }
     if (d == 0) own = sum;
     if (sum < negligible * own) break;
     result.line_covariance.push_back(sum / own);
+    result.leakage_covariance.push_back(let_in / own);
+    result.leakage_relation.push_back(turned_in / own);
   }
   result.effective_averages = count / own;
   return result;

@@ -141,6 +141,8 @@ FrequencyResponses with_window(FrequencyResponses r, Window window, const Window
   r.sample_rate = n * step;
   const auto statistics = average_statistics(samples, n / 2, many);
   r.line_covariance.assign(statistics.line_covariance.begin(), statistics.line_covariance.end());
+  r.leakage = {statistics.leakage_rate * std::pow(r.sample_rate, 2), statistics.leakage_covariance,
+               statistics.leakage_relation};
   return r;
 }
 
@@ -148,6 +150,7 @@ void add_leakage(FrequencyResponses& r, const data::PerLine<MatrixXcd>& rest,
                  const ModalModel& model) {
   const auto leak = leakage(r, rest, model);
   const double factor = per_block(r, rest, leak);
+  r.leakage.rate *= factor;
   for (std::size_t k = 0; k < r.lines(); ++k) {
     // what is rough along frequency holds a part of it already
     const VectorXd rough = r.noise[k].diagonal().real();

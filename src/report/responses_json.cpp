@@ -116,6 +116,10 @@ Json responses_json(const FrequencyResponses& r) {
     json["sample_rate_hz"] = r.sample_rate;
     json["taper"] = written(r.taper);
   }
+  if (!r.leakage.line_covariance.empty())
+    json["leakage"] = {{"rate_per_s2", r.leakage.rate},
+                       {"line_covariance", r.leakage.line_covariance},
+                       {"relation", r.leakage.relation}};
   if (!r.geometry.empty()) json["geometry"] = Json::parse(data::geometry_json(r.geometry));
   if (!r.id_lines.empty()) json["id_lines"] = r.id_lines;
   json["warnings"] = texts(r.warnings);
@@ -200,6 +204,15 @@ FrequencyResponses responses_from_json(const Json& json, const std::string& file
     fields("sample_rate_hz", r.sample_rate);
     if (!(r.sample_rate > 0.0)) fields.bad("sample_rate_hz", "must be positive");
   }
+  if (fields.has("leakage"))
+    fields.object("leakage", [&](const Reader& f) {
+      f("rate_per_s2", r.leakage.rate);
+      f("line_covariance", r.leakage.line_covariance);
+      f("relation", r.leakage.relation);
+      if (r.leakage.relation.size() != r.leakage.line_covariance.size())
+        f.bad("relation", "has another length than line_covariance");
+      if (!(r.leakage.rate >= 0.0)) f.bad("rate_per_s2", "must not be negative");
+    });
   fields.unless(0.0, "shift_per_s", r.shift);
   if (!(r.shift >= 0.0)) fields.bad("shift_per_s", "must not be negative");
   if (fields.has("beside_axis"))

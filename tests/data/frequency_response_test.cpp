@@ -132,6 +132,7 @@ data::FrequencyResponses described_example() {
   all.shift = 1.0 / 3.0;
   all.line_covariance = {1.0, {0.6, -0.3}, {0.1, 0.05}};
   all.taper = Eigen::VectorXd::LinSpaced(80, 1.0, 1.0 / 7.0);
+  all.leakage = {.rate = 1.0 / 3.0, .line_covariance = {0.79, -1.0 / 7.0}, .relation = {0.3, 0.1}};
   all.sample_rate = 62.5;
   for (std::size_t k = 0; k < all.lines(); ++k)  // lines of the window, with a gap
     all.frequency[k] = 62.5 / 80.0 * static_cast<double>(k > 10 ? k + 3 : k + 1);
@@ -182,6 +183,9 @@ TEST_P(DescribedResponses, AreReadAsTheyWere) {
   EXPECT_EQ(got.input_factor, sent.input_factor);
   EXPECT_EQ(got.line_covariance, sent.line_covariance);
   EXPECT_EQ(got.taper, sent.taper);
+  EXPECT_EQ(got.leakage.rate, sent.leakage.rate);
+  EXPECT_EQ(got.leakage.line_covariance, sent.leakage.line_covariance);
+  EXPECT_EQ(got.leakage.relation, sent.leakage.relation);
   EXPECT_EQ(got.sample_rate, sent.sample_rate);
   EXPECT_EQ(got.shift, sent.shift);
   EXPECT_EQ(got.estimator, sent.estimator);
@@ -198,6 +202,7 @@ TEST_P(DescribedResponses, ThatAreDamagedAreLeftAsideWithANote) {
                                  {"\"taper\":[1.0", "\"taper\":[1e9"},
                                  {"\"sample_rate_hz\":62.5", "\"sample_rate_hz\":-2.5"},
                                  {"\"estimator\":\"iv\"", "\"estimator\":\"hx\""},
+                                 {"\"relation\":[0.3", "\"relation\":[3"},
                                  {"\"outputs\":3", "\"outputs\":5"},
                                  {"\"line_covariance\":{", "\"line_covariance\" {"}}) {
     SCOPED_TRACE(to);

@@ -92,6 +92,73 @@ TEST(Spectra, ScatterOfLinesIsWhatTheStatisticsSay) {
   }
 }
 
+/// Of blocks side by side c'(0, d) is that of sin²: 1, 0, −1/2; c(0, d) of sin⁴: 1, −2/3, 1/6.
+TEST(Spectra, LeakageOfAHannWindowIsThatOfItsSlope) {
+  constexpr int n = 512;
+  const auto s = average_statistics(window_samples(Window::hann, n), n, 31);
+  ASSERT_GE(s.leakage_covariance.size(), 3U);
+  EXPECT_NEAR(s.leakage_covariance[0], 1.0, 1e-12);
+  EXPECT_NEAR(s.leakage_covariance[1], 0.0, 1e-12);
+  EXPECT_NEAR(s.leakage_covariance[2], -1.0 / 12.0, 1e-12);
+  // w w' = (sin θ/4 − sin 2θ/8) 2π/n, θ = 2πt/n
+  EXPECT_NEAR(s.leakage_relation[0], 0.0, 1e-12);
+  EXPECT_NEAR(s.leakage_relation[1], -1.0 / 3.0, 1e-12);
+  EXPECT_NEAR(s.leakage_relation[2], -1.0 / 12.0, 1e-12);
+  const double differences = std::sin(two_pi / n) * n / two_pi;  // central ones of the cosine
+  EXPECT_NEAR(s.leakage_rate, std::pow(0.5 * two_pi / n * differences, 2) * 4.0 / 3.0, 1e-15);
+}
+
+/// A resonance without noise, three lines wide: errors by dH/dω are those of the statistics.
+TEST(Spectra, ErrorsOfAResonanceWithoutNoiseAreLeakage) {
+  const test::ModalSystem system{{test::real_mode(7.31, 0.021, Eigen::VectorXd::Ones(1))}};
+  constexpr double rate = 200.0;
+  const auto slope = [&](double f) {
+    constexpr double step = 1e-5;
+    return (system.sampled_response(f + step, 1.0 / rate)(0, 0) -
+            system.sampled_response(f - step, 1.0 / rate)(0, 0)) /
+           (2.0 * step * two_pi);
+  };
+  constexpr int seeds = 60, block = 2048;
+  std::vector<Eigen::VectorXcd> all;
+  Eigen::VectorXcd mean;
+  FrequencyResponses r;
+  AverageStatistics statistics;
+  for (int seed = 1; seed <= seeds; ++seed) {
+    const auto record = test::record_of(
+        system,
+        {.sample_rate = rate, .samples = 20 * block, .seed = static_cast<std::uint64_t>(seed)});
+    const auto s = spectra_of(record, {.block_length = block});
+    statistics = s.statistics;
+    r = estimate_responses(s, {.inputs = {0}, .outputs = {1}, .instruments = {}}, Estimator::h1);
+    std::vector<std::complex<double>> by_slope;
+    for (std::size_t k = 0; k < r.lines(); ++k)
+      if (r.frequency[k] > 6.1 && r.frequency[k] < 8.7)
+        by_slope.push_back(r.H[k](0, 0) / slope(r.frequency[k]));
+    all.emplace_back(Eigen::VectorXcd::Map(by_slope.data(), static_cast<Index>(by_slope.size())));
+    mean = seed == 1 ? all[0] : (mean + all.back()).eval();
+  }
+  mean /= seeds;
+  const auto together = [&](Index apart, bool relation = false) {
+    double sum = 0.0;
+    for (const auto& one : all) {
+      const Eigen::VectorXcd g = one - mean, other = relation ? g.conjugate().eval() : g;
+      const Index n = g.size() - apart;
+      sum += other.head(n).dot(g.tail(n)).real() / static_cast<double>(n) / (seeds - 1.0);
+    }
+    return sum;
+  };
+  const auto& a = statistics.leakage_covariance;
+  // 1560 values, of which the largest lags have 0.03 of scatter
+  EXPECT_NEAR(together(0) / (r.leakage.rate * a[0] * r.degrees / r.averages), 1.0, 0.15);
+  EXPECT_NEAR(together(1) / together(0), a[1] / a[0], 0.06);
+  EXPECT_NEAR(together(2) / together(0), a[2] / a[0], 0.06);
+  EXPECT_LT(a[1], -0.1);
+  for (const Index apart : {0, 1, 2})
+    EXPECT_NEAR(together(apart, true) / together(0),
+                statistics.leakage_relation[static_cast<std::size_t>(apart)] / a[0], 0.06)
+        << apart;
+}
+
 TEST(Spectra, PiecesOfAnySizeGiveTheSame) {
   const auto record = noise_record(3000, 5, 11);
   const SpectrumOptions options{.block_length = 256, .overlap = 0.3};

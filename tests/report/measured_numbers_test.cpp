@@ -35,6 +35,7 @@ identification::FrequencyResponses responses() {
   r.condition = {1.7, 1.9};
   r.line_covariance = {1.0, Complex(0.43, -0.11)};
   r.taper = Eigen::Vector3d(1.0, 0.6, 0.2);
+  r.leakage = {.rate = 0.37, .line_covariance = {0.79, -0.13}, .relation = {0.26, -0.19}};
   r.sample_rate = 128.0;
   for (int k = 0; k < 2; ++k) {
     const double line = 0.001 * k;
@@ -96,25 +97,28 @@ Json responses_object() {
       response[o][i]["coherence"] =
           lines([&](std::size_t k) { return 0.5 + 0.1 * row + 0.01 * column + 0.001 * k; });
     }
-  return {{"inputs", {{{"point", 21}}, {{"point", 22}}, {{"point", 23}}}},
-          {"outputs", {{{"point", 11}}, {{"point", 12}}}},
-          {"averages", 37.0},
-          {"degrees_of_freedom", 34.0},
-          {"frequency_hz", {1.25, 2.5}},
-          {"response", response},
-          {"multiple_coherence", {{0.91, 0.911}, {0.81, 0.811}}},
-          {"condition", {1.7, 1.9}},
-          {"noise", matrices(r.noise)},
-          {"input_factor", matrices(r.input_factor)},
-          {"line_covariance", {{"re", {1.0, 0.43}}, {"im", {0.0, -0.11}}}},
-          {"sample_rate_hz", 128.0},
-          {"taper", {1.0, 0.6, 0.2}},
-          {"findings", Json::array({{{"value", 0.11},
-                                     {"share", 0.12},
-                                     {"lowest", -0.13},
-                                     {"highest", 0.14},
-                                     {"count", 15},
-                                     {"total", 16}}})}};
+  return {
+      {"inputs", {{{"point", 21}}, {{"point", 22}}, {{"point", 23}}}},
+      {"outputs", {{{"point", 11}}, {{"point", 12}}}},
+      {"averages", 37.0},
+      {"degrees_of_freedom", 34.0},
+      {"frequency_hz", {1.25, 2.5}},
+      {"response", response},
+      {"multiple_coherence", {{0.91, 0.911}, {0.81, 0.811}}},
+      {"condition", {1.7, 1.9}},
+      {"noise", matrices(r.noise)},
+      {"input_factor", matrices(r.input_factor)},
+      {"line_covariance", {{"re", {1.0, 0.43}}, {"im", {0.0, -0.11}}}},
+      {"sample_rate_hz", 128.0},
+      {"taper", {1.0, 0.6, 0.2}},
+      {"leakage",
+       {{"rate_per_s2", 0.37}, {"line_covariance", {0.79, -0.13}}, {"relation", {0.26, -0.19}}}},
+      {"findings", Json::array({{{"value", 0.11},
+                                 {"share", 0.12},
+                                 {"lowest", -0.13},
+                                 {"highest", 0.14},
+                                 {"count", 15},
+                                 {"total", 16}}})}};
 }
 
 TEST(NumbersInJson, OfResponses) {

@@ -206,6 +206,16 @@ struct OutputSpectra {
   std::vector<int> references{};  ///< the outputs that stand for inputs
 };
 
+/// What the window of blocks lets in from beside a line, under random excitation: to first order a
+/// part R H' Q⁻¹ H'ᴴ of the noise, H' = dH/dω. Neighbouring lines share it in another way than
+/// noise. With C Cᴴ = Q⁻¹ it is H' C g C⁻¹, E[g_ij,k g*_ij,k+d] = R a_d and E[g_ij,k g_ji,k+d] = R
+/// b_d at the lines k and k + d.
+struct Leakage {
+  double rate{};                          ///< R [1/s²]
+  std::vector<double> line_covariance{};  ///< a_d, d = 0, 1, …; empty: leakage is not known
+  std::vector<double> relation{};         ///< b_d, as many
+};
+
 /// Frequency responses with what is known of their errors. All vectors over lines have one length.
 /// Copies share the matrices of their lines.
 struct FrequencyResponses {
@@ -227,6 +237,7 @@ struct FrequencyResponses {
   double degrees{};  ///< K − p: of freedom of the noise estimate; 0: not known
   /// E[e_k e*_{k+d}]/E|e_k|² of neighbouring lines, d = 0, 1, …
   std::vector<std::complex<double>> line_covariance{1.0};
+  Leakage leakage{};  ///< a part of `noise`
   /// a: H is at s = a + iω; 0: on the imaginary axis [1/s]
   double shift{};
   /// H(iω) by a modal model, for other programs and for pictures; only where shift > 0.

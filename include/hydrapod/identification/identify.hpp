@@ -102,6 +102,7 @@ struct FitOptions {
   double tolerance{1e-9};  ///< relative fall of the sum of squares at which it stops
   bool taper{true};        ///< model the window, where the responses tell it
   Deviations deviations{Deviations::all};
+  double leakage_seen{0.5};       ///< leakage is told from noise of at least this share of it
   int highest_residual_power{1};  ///< K
 };
 

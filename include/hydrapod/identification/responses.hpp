@@ -125,6 +125,14 @@ Eigen::VectorXd window_samples(Window window, int length);
 struct AverageStatistics {
   double effective_averages{};          ///< 1/a_0: as many independent blocks would be as good
   std::vector<double> line_covariance;  ///< a_d/a_0, d = 0, 1, … while it is above 1e-4
+  /// Of what the window lets in from beside a line: Σ w'²/Σ w² [1/sample²], w' = dw/dt, and as many
+  /// a'_d/a_0, with c'(m, d) c(m, d)* for |c|², c' being formed of w'. (The error of a block is
+  /// H'(ω) times i times the transform of w'_t u_t.)
+  double leakage_rate{};
+  std::vector<double> leakage_covariance;
+  /// The same of the relation, E[e_k e_{k+d}]: −x(m, d) y(m, d)* for |c|², x of w_t w'_{t + mD}, y
+  /// of w'_t w_{t + mD}. What several lines have in common turns hardly any frequency.
+  std::vector<double> leakage_relation;
 };
 AverageStatistics average_statistics(const Eigen::VectorXd& window, int hop, long blocks);
 
