@@ -162,8 +162,8 @@ def frequencies(machine: Machine, designs: Mapping[str, Any], *, threads: int = 
 
     They are the undamped ones, with elastomers those of the damped modes.
     designs: {PATH: values in SI}; arrays of one length, or numbers that hold for all; a DataFrame too. A design
-    without equilibrium at the pose has NaN, a mode that buckles 0 Hz. Values are not checked for being sensible:
-    check the extremes with with_().
+    that no machine can be (a mass below 0, a pose out of reach) or that has no equilibrium at the pose has NaN, a mode
+    that buckles 0 Hz.
     Arrays are computed in SIMD lanes: as single ones to 1e-12 (gravity 1e-11, nearly rigid sleeves 5e-11).
     Raises InputError for a path that is unknown, ValueError for numbers that are not finite or arrays of several
     lengths, ComputationError where progress stops.
