@@ -62,7 +62,7 @@ def export(machine: Machine, path: Path, *, to: Optional[str] = None, system: Op
         ending = os.path.splitext(name)[1].lstrip(".").lower()
         if ending not in _formats:
             raise ValueError(f"path: the ending of {name!r} names no format; give to=, one of "
-                             f"{', '.join(sorted(set(_formats.values())))}")
+                             f"{', '.join(sorted({*_formats.values(), 'fmu2', 'fmu3'}))}")
         to = _formats[ending]
     _checks.word(to, "to")
     options = _system(system, sample_time, sampled, pade_order, inputs, outputs, point, reduce)

@@ -274,14 +274,15 @@ def frf(measured: Measured, *, machine: Union[Machine, Path, None] = None, pose:
         model: Optional[str] = None, inputs: Optional[Texts] = None, outputs: Optional[Texts] = None,
         instruments: Optional[Texts] = None, input_from: Optional[str] = None, estimator: str = "auto",
         window: str = "hann", block: Optional[int] = None, overlap: Optional[Quantity] = None,
-        period: Optional[Quantity] = None, settling: Optional[Quantity] = None,
+        period: Optional[Quantity] = None, whole_record: bool = False, settling: Optional[Quantity] = None,
         rate: Optional[Quantity] = None, exponential_window: Optional[Quantity] = None,
         accelerometers: bool = False, sensors: Texts = (), point: Optional[Sequence[Quantity]] = None,
         progress: Optional[Progress] = None) -> Frf:
     """Frequency responses from records (files or Record objects, averaged together).
 
     input_from: drive (the machine without its controller) or excitation (with it); default: as the record
-    says. estimator: auto, h1, h2, hv or iv. overlap: a share. machine: what was measured, a Machine or a
+    says. estimator: auto, h1, h2, hv or iv. overlap: a share. whole_record: of a short one, modes from all of it at
+    once, or an error where that cannot be. machine: what was measured, a Machine or a
     file; default: the one in the record. exponential_window: time constant of the window that an analyser
     applied after a hit. Keys: hydrapod frf --help.
 
@@ -294,7 +295,7 @@ def frf(measured: Measured, *, machine: Union[Machine, Path, None] = None, pose:
         return _core.frf(_measure_options(machine, dict(
             files=files, pose=pose, model=model, inputs=inputs, outputs=outputs, instruments=instruments,
             input_from=input_from, estimator=estimator, window=window, block=block, overlap=overlap,
-            period=period, settling=settling, rate=rate, exponential_window=exponential_window,
+            period=period, whole_record=whole_record, settling=settling, rate=rate, exponential_window=exponential_window,
             accelerometers=accelerometers, sensors=sensors, point=point)), told)
 
 
@@ -304,7 +305,7 @@ def identify(measured: Measured, *, machine: Union[Machine, Path, None] = None, 
              output_only: bool = False, inputs: Optional[Texts] = None, outputs: Optional[Texts] = None,
              instruments: Optional[Texts] = None, input_from: Optional[str] = None, estimator: str = "auto",
              window: str = "hann", block: Optional[int] = None, overlap: Optional[Quantity] = None,
-             period: Optional[Quantity] = None, settling: Optional[Quantity] = None,
+             period: Optional[Quantity] = None, whole_record: bool = False, settling: Optional[Quantity] = None,
              rate: Optional[Quantity] = None, exponential_window: Optional[Quantity] = None,
              accelerometers: bool = False, sensors: Texts = (), point: Optional[Sequence[Quantity]] = None,
              progress: Optional[Progress] = None) -> Identified:
@@ -324,7 +325,7 @@ def identify(measured: Measured, *, machine: Union[Machine, Path, None] = None, 
             files=files, pose=pose, model=model, to=to, order=order, highest_damping=highest_damping,
             against=against, bootstrap=bootstrap, output_only=output_only, inputs=inputs, outputs=outputs,
             instruments=instruments, input_from=input_from, estimator=estimator, window=window, block=block,
-            overlap=overlap, period=period, settling=settling, rate=rate,
+            overlap=overlap, period=period, whole_record=whole_record, settling=settling, rate=rate,
             exponential_window=exponential_window, accelerometers=accelerometers, sensors=sensors,
             point=point)}), told)
 
@@ -461,12 +462,14 @@ def diagnose(machine: Machine, measured: Measured = (), *, against: str = "auto"
 def report(machine: Machine, path: Optional[Path] = None, *, poses: Texts = (), title: str = "",
            theme: str = "auto", modes: Sequence[int] = (), points: int = 600,
            commands: Optional[Texts] = None, until: Optional[Quantity] = None, samples: int = 1500,
-           measured: Optional[Measured] = None, diagnose: Optional[Measured] = None,
-           compare: Union[Path, Compared, None] = None, progress: Optional[Progress] = None) -> Report:
+           measured: Optional[Measured] = None, from_: Optional[Quantity] = None, to: Optional[Quantity] = None,
+           input_from: Optional[str] = None, against: str = "auto", diagnose: Optional[Measured] = None,
+           want: Optional[Quantity] = None, compare: Union[Path, Compared, None] = None,
+           progress: Optional[Progress] = None) -> Report:
     """One HTML page with moving modes, Bode diagrams and all numbers; written to `path` if given.
 
-    commands: also simulate; samples: of each quantity of that run. measured: also identify this record.
-    diagnose: also diagnose from this. compare: also show this comparison, a Compared or the
+    commands: also simulate; samples: of each quantity of that run. measured: also identify this record,
+    with from_, to, input_from and against of identify(). diagnose: also diagnose from this, with want of diagnose(). compare: also show this comparison, a Compared or the
     JSON of `hydrapod compare`. In a notebook the
     result shows the page in a frame. Result: html, write(path), to_dict().
     Raises InputError for what cannot be read or written, ComputationError where progress stops.
@@ -479,8 +482,9 @@ def report(machine: Machine, path: Optional[Path] = None, *, poses: Texts = (), 
             modes=[_checks.whole(mode, "modes") for mode in modes], points=points,
             commands=None if commands is None else _checks.words(commands, "commands"), until=until, samples=samples,
             comparison=_only(comparison, "compare") if comparison else None,
-            identification={"files": records} if records else None,
-            diagnosis=_diagnosis(causes, {}) if causes else None), told)
+            identification=_checks.options(**{"files": records, "from": from_, "to": to, "input_from": input_from,
+                                              "against": against}) if records else None,
+            diagnosis=_diagnosis(causes, {"want": want, "against": against}) if causes else None), told)
     if path is not None:
         result.write(os.fspath(path))
     return result
