@@ -117,7 +117,7 @@ def montecarlo(machine: Machine, vary: Mapping[str, str], *, want: Texts = (), s
 def sweep(machine: Machine, over: Over, *, want: Texts = (), outputs: Optional[Outputs] = None,
           design: str = "grid", samples: int = 10000, seed: int = 1, modes: int = 6, buckling: bool = False,
           threads: int = 0, results: Optional[Path] = None, resume: bool = False,
-          progress: Optional[Progress] = None) -> Study:
+          shard: Optional[Tuple[int, int]] = None, join: bool = False, progress: Optional[Progress] = None) -> Study:
     """Modes over a grid of numbers of the file, or (design latin, sobol) over values that fill it evenly.
 
     over: {PATH: "2:20:10 kN/mm"}, a list "1, 2, 5 kN/mm", or an array in SI. outputs: {NAME: function of a
@@ -127,12 +127,13 @@ def sweep(machine: Machine, over: Over, *, want: Texts = (), outputs: Optional[O
     """
     return _with_outputs(machine, "sweep", progress, results, outputs, over=_texts(over),
                          want=_checks.words(want, "want"), design=design, samples=samples, seed=seed, modes=modes,
-                         buckling=buckling, threads=threads, resume=resume)
+                         buckling=buckling, threads=threads, resume=resume, shard=shard, join=join)
 
 
 def workspace_map(machine: Machine, over: Over, *, want: Texts = (), outputs: Optional[Outputs] = None,
                   modes: int = 6, buckling: bool = False, threads: int = 0, results: Optional[Path] = None,
-                  resume: bool = False, progress: Optional[Progress] = None) -> Study:
+                  resume: bool = False, shard: Optional[Tuple[int, int]] = None, join: bool = False,
+                  progress: Optional[Progress] = None) -> Study:
     """Modes over the workspace (`hydrapod map`).
 
     over: {DIRECTION: "-100:100:41 mm"} or arrays [m, rad]; directions x … rz, from the machine's pose.
@@ -143,7 +144,7 @@ def workspace_map(machine: Machine, over: Over, *, want: Texts = (), outputs: Op
         raise ValueError(f"outputs: need a map from the pose neutral, and the machine is at {machine.pose}")
     return _with_outputs(machine, "map", progress, results, outputs, over=_texts(over),
                          want=_checks.words(want, "want"), modes=modes, buckling=buckling, threads=threads,
-                         resume=resume)
+                         resume=resume, shard=shard, join=join)
 
 
 def design(machine: Machine, change: Mapping[str, Any], *, minimise: Texts = (), maximise: Texts = (), want: Texts = (),

@@ -234,3 +234,13 @@ def test_designs_that_no_machine_can_be_have_no_frequencies(heavy, path, value):
     assert np.isnan(hydrapod.frequencies(heavy, {path: value})).all()
     assert np.isnan(hydrapod.DesignFunction(heavy, path, modes=2)([value])).all()
     assert hydrapod.sweep(heavy, {path: [value]})["status"][0] != 0.0
+
+
+@pytest.mark.parametrize("task, over", [(hydrapod.sweep, {"platform.mass": np.linspace(13e3, 15e3, 600)}),
+                                        (hydrapod.workspace_map, {"x": np.linspace(-0.05, 0.05, 600)})])
+def test_grids_may_be_split(heavy, tmp_path, task, over):
+    """Over several machines, as `hydrapod sweep --shard` and `--join` do."""
+    whole, path = task(heavy, over), tmp_path / "rows.h5"
+    for k in (1, 2):
+        task(heavy, over, results=path, shard=(k, 2))
+    np.testing.assert_array_equal(task(heavy, over, results=path, shard=(1, 2), join=True).values, whole.values)
