@@ -73,7 +73,7 @@ def _stems(f: Any, heights: Any, colour: str) -> Curve:
 def _modes(m: Any) -> str:
     felt, rigid = m.frequency_hz[np.array(m.moves_platform, dtype=bool)], m.rigid.frequency_hz
     return _picture([_stems(felt, np.ones(len(felt)), _flexible), _stems(rigid, np.full(len(rigid), 0.6), _rigid)],
-                    "modes that the platform feels; short: with rigid legs; logarithmic in Hz", log=True, zero=True)
+                    "modes that move the platform; short: with rigid legs; logarithmic in Hz", log=True, zero=True)
 
 
 def _bode(b: Any) -> str:
