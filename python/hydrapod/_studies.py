@@ -106,7 +106,7 @@ def montecarlo(machine: Machine, vary: Mapping[str, str], *, want: Texts = (), s
     Result, N rows: values (N, columns) [SI, frequencies in Hz], names, units, meanings; study["x"] is a column,
     NaN where it cannot be computed; study["status"] says why. requirements, probability_of_missing and
     probability_interval (95 %), worst_rows; machine(row); to_records(), to_pandas(); the rest in to_dict().
-    Raises InputError for a path, a distribution or a requirement that cannot be.
+    Raises InputError for a path, a distribution or a requirement that cannot be. Source: docs/theory/study.md.
     """
     return _run(machine, "montecarlo", progress, results,
                 vary={path: _checks.word(text, path) for path, text in _paths(vary, "vary").items()},
@@ -123,7 +123,7 @@ def sweep(machine: Machine, over: Over, *, want: Texts = (), outputs: Optional[O
     over: {PATH: "2:20:10 kN/mm"}, a list "1, 2, 5 kN/mm", or an array in SI. outputs: {NAME: function of a
     Machine} adds columns of your own: see Study.evaluate; where progress stops the study they are NaN.
     Result: as montecarlo(); of a grid, shape are the counts, study["x"].reshape(study.shape) the field.
-    Raises as montecarlo(); ValueError and TypeError for outputs that cannot be columns.
+    Raises as montecarlo(); ValueError and TypeError for outputs that cannot be columns. Source: docs/theory/study.md.
     """
     return _with_outputs(machine, "sweep", progress, results, outputs, over=_texts(over),
                          want=_checks.words(want, "want"), design=design, samples=samples, seed=seed, modes=modes,
@@ -138,7 +138,7 @@ def workspace_map(machine: Machine, over: Over, *, want: Texts = (), outputs: Op
 
     over: {DIRECTION: "-100:100:41 mm"} or arrays [m, rad]; directions x … rz, from the machine's pose.
     Result: as sweep(); the columns of the displacements are "pose.x" …, for "x" is the first resonance in x.
-    Raises as sweep(). outputs need a map from the pose neutral.
+    Raises as sweep(). outputs need a map from the pose neutral. Source: docs/theory/study.md.
     """
     if outputs and machine.pose != "neutral":
         raise ValueError(f"outputs: need a map from the pose neutral, and the machine is at {machine.pose}")
@@ -161,7 +161,7 @@ def design(machine: Machine, change: Mapping[str, Any], *, minimise: Texts = (),
     aims, aim_values, aim_present; requirements, worst, worst_present, worst_poses; of a trade-off front_aims (n, 2)
     and front_values (n, changes); limits and the rest in to_dict(). Where no design meets all requirements,
     feasible is False, values are those of the least violation, and machine raises ComputationError.
-    Raises InputError for a path, a range, a requirement or an aim that cannot be.
+    Raises InputError for a path, a range, a requirement or an aim that cannot be. Source: docs/theory/study.md.
     """
     return _core.design(_core_of(machine), _checks.options(
         change=_bounds(change), minimise=_checks.words(minimise, "minimise"),
