@@ -66,6 +66,10 @@ packages_deb=(
 # For the tests of the Python package (./test), besides those above.
 packages_python_test=(
   "python3-pytest runs them"
+  "python3-pip makes the wheel"
+  "python3-setuptools makes the wheel"
+  "python3-wheel makes the wheel"
+  "python3-xarray records as arrays with names, and tables of pandas"
   "mypy checks the types"
   "python3-matplotlib draws the plots"
 )

@@ -46,8 +46,7 @@ tasks::RootLocusOptions locus_options(const std::string& text) {
   return {.key = text.substr(0, equals), .from = numbers[0], .to = numbers[1], .count = steps};
 }
 
-/// Slower than this a pole is a drift [rad/s].
-constexpr double drift = 1e-2;
+constexpr double drift = simulation::slowest_growth;
 
 /// Without a controller drifting is what a platform on valves does, and no fault.
 std::string open_verdict(const SystemPoles& poles) {

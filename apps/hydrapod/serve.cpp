@@ -114,6 +114,7 @@ void run(const Arguments& arguments) {
     return base::write_file_whole("-", realtime::layout_text(layout));
   }
   if (!arguments.duration.empty()) options.duration = seconds("--duration", arguments.duration);
+  options.warn = [](const std::string& warning) { print_warning(warning); };
   options.server.ready = [](const std::string& place) { print_note("listening at " + place); };
   const auto served = with_progress(
       "serving", [&](const auto& progress) { return tasks::serve(machine, options, progress); });

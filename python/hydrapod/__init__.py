@@ -50,7 +50,7 @@ from ._exports import (
     to_mujoco,
 )
 from ._interop import state_space, to_control, to_pyuff
-from ._machine import Machine, Parameters, read_machine, starter_machine_file
+from ._machine import Machine, Parameters, build_machine, read_machine, starter_machine_file
 from ._mechanics import (
     Buckling,
     PoseQuality,
@@ -140,6 +140,7 @@ __all__ = [
     "System",
     "bode",
     "buckling",
+    "build_machine",
     "calibrate",
     "check",
     "compare",

@@ -90,7 +90,7 @@ _wholes: Dict[str, Tuple[int, int]] = {
         "bootstrap", "order", "block", "reduce")},
     "leg_modes": (0, 2**31 - 1)}
 _flags = {"ideal_sensors", "anti_alias", "above_limits", "output_only", "modes_only", "damping", "indices",
-          "buckling", "resume", "join", "sampled", "approximate", "accelerometers"}
+          "buckling", "resume", "join", "whole_record", "sampled", "approximate", "accelerometers"}
 _words = {"input", "output", "actuators", "integrator", "initial", "entry", "estimator", "window", "against",
           "input_from", "pose", "model", "loss", "title", "theme", "system", "design", "length_sensor",
           "pressure_sensor", "current_sensor", "torque_sensor", "speed_sensor"}

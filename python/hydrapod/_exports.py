@@ -55,14 +55,14 @@ def export(machine: Machine, path: Path, *, to: Optional[str] = None, system: Op
     fmu2, fmu3 (functional mock-up unit); default: by the ending. system: default mechanics for a state space,
     plant for an FMU. Other options: see machine_state_space() and superelement(). approximate: write also what
     the format holds only in part. Raises InputError where a format cannot hold the machine; nothing is written
-    then.
+    then. Source: docs/howto/exchange.md.
     """
     name = os.fspath(path)
     if to is None:
         ending = os.path.splitext(name)[1].lstrip(".").lower()
         if ending not in _formats:
             raise ValueError(f"path: the ending of {name!r} names no format; give to=, one of "
-                             f"{', '.join(sorted(set(_formats.values())))}")
+                             f"{', '.join(sorted({*_formats.values(), 'fmu2', 'fmu3'}))}")
         to = _formats[ending]
     _checks.word(to, "to")
     options = _system(system, sample_time, sampled, pade_order, inputs, outputs, point, reduce)
@@ -86,7 +86,7 @@ def machine_state_space(machine: Machine, *, system: str = "mechanics", sample_t
     the operating point: x, u and y are small changes from them); sample_time [s], 0: continuous; delay [s].
     state_space() and to_control() take it.
     Raises InputError for signals and options that cannot be, ComputationError where the supply cannot hold the
-    machine.
+    machine. Source: docs/howto/exchange.md.
     """
     return _core.machine_state_space(_core_of(machine), _system(system, sample_time, sampled, pade_order, inputs,
                                                                 outputs, point, reduce))
@@ -98,7 +98,7 @@ def superelement(machine: Machine, *, leg_modes: Optional[int] = None,
 
     leg_modes: how many are kept, the lowest; default: all, which is exact. Result: M, K, C (n, n) [SI],
     coordinates, units, first_left_out [rad/s] (0: all modes are kept).
-    Raises InputError for more modes than the legs have.
+    Raises InputError for more modes than the legs have. Source: docs/howto/exchange.md.
     """
     return _core.superelement(_core_of(machine), _checks.options(
         leg_modes=leg_modes, point=None if point is None else _point(point)))
@@ -116,6 +116,7 @@ def multibody_text(machine: Machine, format: str = "mjcf") -> MultibodyText:
     """The mechanism at rest as MJCF, SDF or URDF; parity lists what the format holds. Nothing is written.
 
     Result: text [SI, rad], sidecar, parity; see MultibodyText. Raises InputError for a format that is unknown.
+    Source: docs/howto/exchange.md.
     """
     text, sidecar, parity = _core.multibody(_core_of(machine), _checks.word(format, "format"))
     return MultibodyText(text, sidecar, [ParityLine(*line) for line in parity])

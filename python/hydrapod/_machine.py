@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import html
 import json
 import operator
 import os
+import re
 from typing import Any, Iterator, List, Mapping, Optional, Tuple, Union
 
 import numpy as np
@@ -133,7 +135,11 @@ class Machine:
                  pose: str = "neutral", model: Optional[str] = None):
         """From the text of a machine file; `path`: what messages call it. See read_machine()."""
         lines = _lines(overrides)
-        self._read(path, _checks.word(text, "text"), lines, pose, model)
+        try:
+            _checks.word(text, "text").encode()
+        except UnicodeEncodeError:
+            raise ValueError("text: is no text in UTF-8") from None
+        self._read(path, text, lines, pose, model)
 
     def _read(self, path: str, text: Optional[str], overrides: List[str], pose: str, model: Optional[str]) -> None:
         pose, model = _pose(pose), None if model is None else _checks.word(model, "model")
@@ -302,6 +308,14 @@ class Machine:
     def __deepcopy__(self, memo: Any) -> "Machine":
         return self
 
+    def _repr_html_(self) -> str:
+        """In notebooks: its masses and the poses."""
+        rows = "".join(f"<tr><td>{html.escape(path)}</td><td>{self[path]:.6g} {html.escape(self.unit(path))}</td></tr>"
+                       for path in ("platform.mass", "legs.rod.mass", "legs.case.mass", "legs.guide_sleeve.stiffness")
+                       if path in self)
+        return (f"<div><b>Machine</b>: {html.escape(repr(self)[9:-1])}<table><tbody>{rows}</tbody></table>"
+                f"<p>poses: {html.escape(', '.join(self.poses))}; {len(self.paths)} numbers</p></div>")
+
     def __repr__(self) -> str:
         changed = f", with {'; '.join(self.overrides)}" if self.overrides else ""
         return f"<Machine {self.name!r}, pose {self.pose}, {self.model} model{changed}>"
@@ -323,6 +337,53 @@ def read_machine(path: Union[str, "os.PathLike[str]"], *, overrides: Mapping[str
         return Machine(name, overrides=overrides, pose=pose, model=model)
     lines = _lines(overrides)
     return Machine._made(name, None, lines, pose, model)
+
+
+def _document(table: Mapping[str, Any], path: str = "") -> str:
+    """The table as TOML; numbers and texts first, then the tables below it."""
+    lines, below = [], []
+    for key, value in table.items():
+        if isinstance(key, (int, np.integer)) and not isinstance(key, bool):
+            key = str(key)
+        name = key if re.fullmatch(r"[A-Za-z0-9_-]+", _utf8(key, "a key")) else json.dumps(key, ensure_ascii=False)
+        at = f"{path}.{name}" if path else name
+        if isinstance(value, Mapping):
+            below.append(f"\n[{at}]\n{_document(value, at)}")
+        elif value is not None:
+            lines.append(f"{name} = {_toml_value(value, at)}\n")
+    return "".join([*lines, *below])
+
+
+def _toml_value(value: Any, path: str) -> str:
+    """A value as a file has it: texts in quotes, tables in a list in braces."""
+    if isinstance(value, str):
+        return json.dumps(_utf8(value, path), ensure_ascii=False).replace("\x7f", "\\u007f")
+    if isinstance(value, (bool, np.bool_)):
+        return "true" if value else "false"
+    if isinstance(value, Mapping):
+        return "{ " + ", ".join(f"{json.dumps(_utf8(key, path))} = {_toml_value(one, path)}"
+                                for key, one in value.items()) + " }"
+    if isinstance(value, (list, tuple, np.ndarray, Parameters)):
+        return f"[{', '.join(_toml_value(one, path) for one in value)}]"
+    if hasattr(value, "__index__"):
+        return str(operator.index(value))
+    try:
+        return repr(float(value))
+    except (TypeError, ValueError):
+        raise TypeError(f"{path}: expected a number, a text, a dict or a list of these, got {value!r}") from None
+
+
+def build_machine(**tables: Any) -> Machine:
+    """A machine from keyword arguments: the keys and tables of a machine file, tables as dicts.
+
+        hydrapod.build_machine(name="mine", platform={"mass": "4 t", "inertia": {"xx": 900, "yy": 900, "zz": 1500}},
+                               legs={"rod": {"length": 1.05, "mass": "22 kg"}}, leg={3: {"rod": {"mass": 25}}}, …)
+
+    Numbers are in SI; texts may have a unit; None is left out. Keys and units: docs/howto/machine-file.md. The machine
+    is at its neutral pose: at() and using() give others. Raises InputError with all mistakes, each with its key; lines
+    are those of machine.text. Raises TypeError for values that no file can have.
+    """
+    return Machine(_document(tables) + "\n")
 
 
 def starter_machine_file() -> str:

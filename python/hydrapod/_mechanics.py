@@ -29,7 +29,7 @@ def leg_lengths(machine: Machine, displacements: Any = None) -> Any:
 
     displacements: x, y, z [m], rx, ry, rz [rad]: roll, pitch and yaw, R = Rz Ry Rx, as in the text of a pose.
     Whether the legs reach is not checked; read_machine(…, pose=…) does.
-    Raises TypeError or ValueError for arrays that are no rows of six finite numbers.
+    Raises TypeError or ValueError for arrays that are no rows of six finite numbers. Source: docs/notation.md.
     """
     rows, single = _rows(_rest if displacements is None else displacements, "displacements")
     lengths = _core.leg_lengths(_core_of(machine), rows)
@@ -40,7 +40,7 @@ def leg_jacobian(machine: Machine, displacements: Any = None) -> Any:
     """J (6, 6), or (N, 6, 6) at displacements: rates of the legs from the platform's twist, l̇ = J (v; ω).
 
     v is the velocity of the platform frame's origin [m/s], ω the angular velocity [rad/s], in base axes.
-    Raises as leg_lengths().
+    Raises as leg_lengths(). Source: docs/notation.md.
     """
     rows, single = _rows(_rest if displacements is None else displacements, "displacements")
     jacobians = _core.leg_jacobian(_core_of(machine), rows)
@@ -52,7 +52,7 @@ def forward_kinematics(machine: Machine, lengths: Any, *, start: Any = None) -> 
 
     start: displacement to begin at, one or one for each row; a hexapod has up to 40 poses for the same lengths,
     and the one near the start is found, to 1e-12 m. A row is NaN where none is found.
-    Raises as leg_lengths().
+    Raises as leg_lengths(). Source: docs/notation.md.
     """
     rows, single = _rows(lengths, "lengths")
     starts, _ = _rows(_rest if start is None else start, "start")
@@ -87,7 +87,7 @@ class PoseQuality(NamedTuple):
 def pose_quality(machine: Machine) -> PoseQuality:
     """Condition, singular values and weakest direction of the Jacobian at the machine's pose.
 
-    Lengths are divided by characteristic_length [m]; see PoseQuality.
+    Lengths are divided by characteristic_length [m]; see PoseQuality. Source: docs/notation.md.
     """
     return PoseQuality(**_core.pose_quality(_core_of(machine)))
 
@@ -105,7 +105,7 @@ def static_equilibrium(machine: Machine) -> StaticEquilibrium:
     """Oil forces and bends of the legs at rest at the machine's pose, with its model.
 
     Raises ComputationError where the machine does not stand: no equilibrium, or a leg that folds.
-    oil_force [N], flexible [rad, m]: see StaticEquilibrium.
+    oil_force [N], flexible [rad, m]: see StaticEquilibrium. Source: docs/theory/linear-model.md.
     """
     return StaticEquilibrium(**_core.static_equilibrium(_core_of(machine)))
 
@@ -123,7 +123,7 @@ class Buckling(NamedTuple):
 def buckling(machine: Machine) -> Buckling:
     """Payload at which seals and legs buckle at the machine's pose, and strengths of the legs as columns.
 
-    payload [kg], column_strength and euler_force [N]: see Buckling.
+    payload [kg], column_strength and euler_force [N]: see Buckling. Source: docs/theory/linear-model.md.
     """
     return Buckling(**_core.buckling(_core_of(machine)))
 
@@ -145,6 +145,7 @@ def sample_signals(signals: Texts, *, rate: Quantity = 1000.0, duration: Optiona
     rate: [Hz]. duration: default as long as the signals go on. unit: displacement [m, rad], drive [share] or
     wrench [N, N m]. excitation: defaults of `hydrapod rig` (levels as RMS values, directions in turn) instead
     of those of `hydrapod simulate`. The same texts, rate and seed give the same numbers. Raises InputError.
+    Source: docs/howto/signals.md.
     """
     hertz = _core.quantity(rate, "Hz", "rate")
     if not hertz > 0:

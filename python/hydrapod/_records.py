@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import html
+import importlib
 import os
 import shutil
 import tempfile
@@ -146,8 +148,7 @@ class Record:
 
     def to_xarray(self) -> Any:
         """As an xarray.DataArray (needs xarray)."""
-        import xarray  # type: ignore[import]
-
+        xarray: Any = importlib.import_module("xarray")  # typed where it is there, which mypy would ask about
         return xarray.DataArray(
             self.samples, dims=("time", "channel"),
             coords={"time": self.time, "channel": self.channels, "unit": ("channel", self.units)})
@@ -160,6 +161,19 @@ class Record:
 
     def __reduce__(self) -> Any:
         raise TypeError("a Record cannot be pickled; write() it, and read_record() the file")
+
+    def _repr_html_(self) -> str:
+        """In notebooks: a row per channel, of the first 40."""
+        rows = []
+        for k, texts in enumerate(zip(self.channels[:40], self.units, self.roles, self.directions)):
+            values = self.samples[np.isfinite(self.samples[:, k]), k]
+            least, most = (f"{values.min():.4g}", f"{values.max():.4g}") if len(values) else ("–", "–")
+            rows.append((*texts, least, most))
+        body = "".join("<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in row) + "</tr>" for row in rows)
+        titles = "".join(f"<th>{title}</th>" for title in ("channel", "unit", "role", "direction", "least", "most"))
+        more = f"<p>and {len(self.channels) - 40} more channels</p>" if len(self.channels) > 40 else ""
+        return (f"<div><b>Record</b>: {html.escape(repr(self)[8:-1])}<table><thead><tr>{titles}</tr></thead>"
+                f"<tbody>{body}</tbody></table>{more}</div>")
 
     def __repr__(self) -> str:
         return (f"<Record {self.title!r}: {len(self)} samples × {len(self.channels)} channels "

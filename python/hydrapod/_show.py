@@ -1,4 +1,4 @@
-"""How results show themselves: as tables of text, and of HTML in notebooks."""
+"""How results show themselves: as tables of text, and as tables and small pictures in notebooks."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any, Callable, Dict, List, Sequence, Tuple
 
 import numpy as np
 
-from . import _core
+from . import _core, _pictures
 
 Table = Tuple[str, List[str], Sequence[Sequence[str]], str]  # heading, titles, rows, words below
 
@@ -189,7 +189,8 @@ def page(result: Any) -> str:
     body = "".join("<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in row) + "</tr>" for row in rows)
     table = f"<table><thead><tr>{cells}</tr></thead><tbody>{body}</tbody></table>" if titles else ""
     after = f"<p>{html.escape(below)}</p>" if below else ""
-    return f"<div><b>{html.escape(type(result).__name__)}</b>: {html.escape(heading)}{table}{after}</div>"
+    return (f"<div><b>{html.escape(type(result).__name__)}</b>: {html.escape(heading)}{_pictures.picture(result)}{table}"
+            f"{after}</div>")
 
 
 def _record_array(modes: Any) -> Any:

@@ -106,7 +106,7 @@ def montecarlo(machine: Machine, vary: Mapping[str, str], *, want: Texts = (), s
     Result, N rows: values (N, columns) [SI, frequencies in Hz], names, units, meanings; study["x"] is a column,
     NaN where it cannot be computed; study["status"] says why. requirements, probability_of_missing and
     probability_interval (95 %), worst_rows; machine(row); to_records(), to_pandas(); the rest in to_dict().
-    Raises InputError for a path, a distribution or a requirement that cannot be.
+    Raises InputError for a path, a distribution or a requirement that cannot be. Source: docs/theory/study.md.
     """
     return _run(machine, "montecarlo", progress, results,
                 vary={path: _checks.word(text, path) for path, text in _paths(vary, "vary").items()},
@@ -117,33 +117,34 @@ def montecarlo(machine: Machine, vary: Mapping[str, str], *, want: Texts = (), s
 def sweep(machine: Machine, over: Over, *, want: Texts = (), outputs: Optional[Outputs] = None,
           design: str = "grid", samples: int = 10000, seed: int = 1, modes: int = 6, buckling: bool = False,
           threads: int = 0, results: Optional[Path] = None, resume: bool = False,
-          progress: Optional[Progress] = None) -> Study:
+          shard: Optional[Tuple[int, int]] = None, join: bool = False, progress: Optional[Progress] = None) -> Study:
     """Modes over a grid of numbers of the file, or (design latin, sobol) over values that fill it evenly.
 
     over: {PATH: "2:20:10 kN/mm"}, a list "1, 2, 5 kN/mm", or an array in SI. outputs: {NAME: function of a
     Machine} adds columns of your own: see Study.evaluate; where progress stops the study they are NaN.
     Result: as montecarlo(); of a grid, shape are the counts, study["x"].reshape(study.shape) the field.
-    Raises as montecarlo(); ValueError and TypeError for outputs that cannot be columns.
+    Raises as montecarlo(); ValueError and TypeError for outputs that cannot be columns. Source: docs/theory/study.md.
     """
     return _with_outputs(machine, "sweep", progress, results, outputs, over=_texts(over),
                          want=_checks.words(want, "want"), design=design, samples=samples, seed=seed, modes=modes,
-                         buckling=buckling, threads=threads, resume=resume)
+                         buckling=buckling, threads=threads, resume=resume, shard=shard, join=join)
 
 
 def workspace_map(machine: Machine, over: Over, *, want: Texts = (), outputs: Optional[Outputs] = None,
                   modes: int = 6, buckling: bool = False, threads: int = 0, results: Optional[Path] = None,
-                  resume: bool = False, progress: Optional[Progress] = None) -> Study:
+                  resume: bool = False, shard: Optional[Tuple[int, int]] = None, join: bool = False,
+                  progress: Optional[Progress] = None) -> Study:
     """Modes over the workspace (`hydrapod map`).
 
     over: {DIRECTION: "-100:100:41 mm"} or arrays [m, rad]; directions x … rz, from the machine's pose.
     Result: as sweep(); the columns of the displacements are "pose.x" …, for "x" is the first resonance in x.
-    Raises as sweep(). outputs need a map from the pose neutral.
+    Raises as sweep(). outputs need a map from the pose neutral. Source: docs/theory/study.md.
     """
     if outputs and machine.pose != "neutral":
         raise ValueError(f"outputs: need a map from the pose neutral, and the machine is at {machine.pose}")
     return _with_outputs(machine, "map", progress, results, outputs, over=_texts(over),
                          want=_checks.words(want, "want"), modes=modes, buckling=buckling, threads=threads,
-                         resume=resume)
+                         resume=resume, shard=shard, join=join)
 
 
 def design(machine: Machine, change: Mapping[str, Any], *, minimise: Texts = (), maximise: Texts = (), want: Texts = (),
@@ -160,7 +161,7 @@ def design(machine: Machine, change: Mapping[str, Any], *, minimise: Texts = (),
     aims, aim_values, aim_present; requirements, worst, worst_present, worst_poses; of a trade-off front_aims (n, 2)
     and front_values (n, changes); limits and the rest in to_dict(). Where no design meets all requirements,
     feasible is False, values are those of the least violation, and machine raises ComputationError.
-    Raises InputError for a path, a range, a requirement or an aim that cannot be.
+    Raises InputError for a path, a range, a requirement or an aim that cannot be. Source: docs/theory/study.md.
     """
     return _core.design(_core_of(machine), _checks.options(
         change=_bounds(change), minimise=_checks.words(minimise, "minimise"),

@@ -81,7 +81,7 @@ def modes_at_poses(machine: Machine, poses: Texts) -> ModesAtPoses:
     p poses: frequency_hz (m, p), NaN where there is no such mode; mac (m, p) with the mode at the pose before;
     numbers (m, p), counted from 0, -1 for none; labels, poses.
     frequency_hz [Hz], mac [1]. Raises InputError for a pose that is unknown or out of reach, ValueError for fewer
-    than two.
+    than two. Source: docs/theory/linear-model.md.
     """
     return _core.modes_at_poses(_core_of(machine), _checks.words(poses, "poses"))
 
@@ -95,7 +95,7 @@ def system(machine: Machine, *, closed: bool = True, pade_order: int = 2) -> Sys
     matrix of the sampled loop), poles [1/s] (least damped in time first, one of each pair), damping_ratio,
     participation, stable (of the sampled loop), verdict, delay [s], sample_time [s].
     Raises ComputationError where the supply cannot hold the machine at this pose, ValueError for an order that
-    cannot be.
+    cannot be. Source: docs/theory/control.md.
     """
     return _core.system(_core_of(machine), _checks.flag(closed, "closed"), _checks.whole(pade_order, "pade_order"))
 
@@ -106,7 +106,7 @@ def root_locus(machine: Machine, key: str, start: float, stop: float, count: int
 
     Result: key, values, poles (a list of arrays), limits (values at which stability changes).
     values [SI], poles [1/s]. Raises InputError for a path that is unknown and values that cannot be,
-    ComputationError where progress stops.
+    ComputationError where progress stops. Source: docs/theory/control.md.
     """
     with all_or_none(progress) as told:
         return _core.root_locus(
@@ -128,7 +128,7 @@ def bode(machine: Machine, *, input: str = "wrench", output: str = "displacement
     Result: frequency_hz [Hz], omega [rad/s] (points,), H and H_rigid (points, 6, 6): H[k, out, in], complex, of an
     input of 1 N or 1 N m [m, rad; per s, per s²]; stable: False where no steady vibration exists, and the responses are
     those of the linear equations. Raises InputError for a band or a point that cannot be, ComputationError where the
-    machine has no equilibrium.
+    machine has no equilibrium. Source: docs/theory/linear-model.md.
     """
     result: Union[Bode, CommandResponse] = _core.bode(_core_of(machine), {"from": from_, **_checks.options(
         input=input, output=output, to=to, points=points, point=None if point is None else _point(point))})
@@ -141,7 +141,7 @@ def check(machine: Machine, *, all_poses: bool = True) -> Check:
     all_poses=False: at the machine's pose alone. Result, p poses: sound, verdict, warnings, poses, lengths [m],
     axial_force [N, + compression], oil_stiffness [N/m], tilt [rad] (p, 6), buckling_payload [kg] (p,), NaN
     where there is none.
-    A machine that is not sound raises nothing: sound is False.
+    A machine that is not sound raises nothing: sound is False. Source: docs/theory/capability.md.
     """
     return _core.check(_core_of(machine), _checks.flag(all_poses, "all_poses"))
 
@@ -151,7 +151,7 @@ def sensitivity(machine: Machine, parameters: Texts = ()) -> Sensitivity:
 
     parameters: paths; default: all that matter. Result: parameters, omega (n,), percent_per_percent (n, p).
     omega [rad/s], percent_per_percent [1]; NaN for modes that buckle. Raises InputError for a path that is
-    unknown.
+    unknown. Source: docs/theory/linear-model.md.
     """
     return _core.sensitivity(_core_of(machine), _checks.words(parameters, "parameters"))
 
@@ -162,11 +162,11 @@ def frequencies(machine: Machine, designs: Mapping[str, Any], *, threads: int = 
 
     They are the undamped ones, with elastomers those of the damped modes.
     designs: {PATH: values in SI}; arrays of one length, or numbers that hold for all; a DataFrame too. A design
-    without equilibrium at the pose has NaN, a mode that buckles 0 Hz. Values are not checked for being sensible:
-    check the extremes with with_().
+    that no machine can be (a mass below 0, a pose out of reach) or that has no equilibrium at the pose has NaN, a mode
+    that buckles 0 Hz.
     Arrays are computed in SIMD lanes: as single ones to 1e-12 (gravity 1e-11, nearly rigid sleeves 5e-11).
     Raises InputError for a path that is unknown, ValueError for numbers that are not finite or arrays of several
-    lengths, ComputationError where progress stops.
+    lengths, ComputationError where progress stops. Source: docs/theory/linear-model.md.
     """
     core = _core_of(machine)
     if type(designs) is not dict and hasattr(designs, "columns"):  # a pandas.DataFrame
@@ -209,7 +209,7 @@ def simulate(machine: Machine, commands: Texts = (), *, wrench: Texts = (), init
     rod_pressure [Pa] (N, 6), rms_error, peak_error (6,), record, warnings. Of electric cylinders nut [m],
     motor_speed [rad/s], torque [N m] (N, 6), and no pressures.
     Raises InputError for signals and options that cannot be, ComputationError where the machine cannot be held at
-    its pose.
+    its pose. Source: docs/theory/nonlinear.md.
     """
     return _core.simulate(_core_of(machine), _checks.options(
         commands=_checks.words(commands, "commands"), wrench=_checks.words(wrench, "wrench"), initial=initial,
@@ -242,7 +242,7 @@ def rig(machine: Machine, record: Optional[Path] = None, *, excite: Texts = (), 
     record: file to write; None: only the levels are checked. excite: signals ("white all=0.1 mm"), default
     white noise. entry: command, drive or wrench. Raises InputError for levels that do not fit, unless
     above_limits. Keys: hydrapod rig --help.
-    Result, a RigRun: record, samples, findings, finished and message.
+    Result, a RigRun: record, samples, findings, finished and message. Source: docs/howto/rig.md.
     """
     return RigRun(**_core.rig(_core_of(machine), _checks.options(
         record=None if record is None else os.fspath(record), excite=_checks.words(excite, "excite"), entry=entry,
@@ -274,27 +274,28 @@ def frf(measured: Measured, *, machine: Union[Machine, Path, None] = None, pose:
         model: Optional[str] = None, inputs: Optional[Texts] = None, outputs: Optional[Texts] = None,
         instruments: Optional[Texts] = None, input_from: Optional[str] = None, estimator: str = "auto",
         window: str = "hann", block: Optional[int] = None, overlap: Optional[Quantity] = None,
-        period: Optional[Quantity] = None, settling: Optional[Quantity] = None,
+        period: Optional[Quantity] = None, whole_record: bool = False, settling: Optional[Quantity] = None,
         rate: Optional[Quantity] = None, exponential_window: Optional[Quantity] = None,
         accelerometers: bool = False, sensors: Texts = (), point: Optional[Sequence[Quantity]] = None,
         progress: Optional[Progress] = None) -> Frf:
     """Frequency responses from records (files or Record objects, averaged together).
 
     input_from: drive (the machine without its controller) or excitation (with it); default: as the record
-    says. estimator: auto, h1, h2, hv or iv. overlap: a share. machine: what was measured, a Machine or a
+    says. estimator: auto, h1, h2, hv or iv. overlap: a share. whole_record: of a short one, modes from all of it at
+    once, or an error where that cannot be. machine: what was measured, a Machine or a
     file; default: the one in the record. exponential_window: time constant of the window that an analyser
     applied after a hit. Keys: hydrapod frf --help.
 
     Result, L lines: frequency_hz (L,), H and deviation (L, outputs, inputs), coherence, inputs, outputs,
     warnings.
     H in the units of outputs per inputs (SI). Raises InputError for records that do not fit, ComputationError
-    where a record is too short, an input has no excitation, or progress stops.
+    where a record is too short, an input has no excitation, or progress stops. Source: docs/theory/identification.md.
     """
     with files_of(measured) as files, all_or_none(progress) as told:
         return _core.frf(_measure_options(machine, dict(
             files=files, pose=pose, model=model, inputs=inputs, outputs=outputs, instruments=instruments,
             input_from=input_from, estimator=estimator, window=window, block=block, overlap=overlap,
-            period=period, settling=settling, rate=rate, exponential_window=exponential_window,
+            period=period, whole_record=whole_record, settling=settling, rate=rate, exponential_window=exponential_window,
             accelerometers=accelerometers, sensors=sensors, point=point)), told)
 
 
@@ -304,7 +305,7 @@ def identify(measured: Measured, *, machine: Union[Machine, Path, None] = None, 
              output_only: bool = False, inputs: Optional[Texts] = None, outputs: Optional[Texts] = None,
              instruments: Optional[Texts] = None, input_from: Optional[str] = None, estimator: str = "auto",
              window: str = "hann", block: Optional[int] = None, overlap: Optional[Quantity] = None,
-             period: Optional[Quantity] = None, settling: Optional[Quantity] = None,
+             period: Optional[Quantity] = None, whole_record: bool = False, settling: Optional[Quantity] = None,
              rate: Optional[Quantity] = None, exponential_window: Optional[Quantity] = None,
              accelerometers: bool = False, sensors: Texts = (), point: Optional[Sequence[Quantity]] = None,
              progress: Optional[Progress] = None) -> Identified:
@@ -317,14 +318,14 @@ def identify(measured: Measured, *, machine: Union[Machine, Path, None] = None, 
     shapes (outputs, n) as displacements; outputs, inputs, motion, warnings. Deviations are standard deviations.
     L lines: line_frequency_hz (L,), H and deviation (measured), H_modes (of the modes) (L, outputs, inputs),
     mode_indicator: singular values of H (L, k). With 95 % probability H is off by less than radius_95 deviations.
-    Raises as frf() does. Where there is no mode, n is 0 and warnings say why.
+    Raises as frf() does. Where there is no mode, n is 0 and warnings say why. Source: docs/theory/identification.md.
     """
     with files_of(measured) as files, all_or_none(progress) as told:
         return _core.identify(_measure_options(machine, {"from": from_, **dict(
             files=files, pose=pose, model=model, to=to, order=order, highest_damping=highest_damping,
             against=against, bootstrap=bootstrap, output_only=output_only, inputs=inputs, outputs=outputs,
             instruments=instruments, input_from=input_from, estimator=estimator, window=window, block=block,
-            overlap=overlap, period=period, settling=settling, rate=rate,
+            overlap=overlap, period=period, whole_record=whole_record, settling=settling, rate=rate,
             exponential_window=exponential_window, accelerometers=accelerometers, sensors=sensors,
             point=point)}), told)
 
@@ -342,7 +343,7 @@ def calibrate(machine: Machine, targets: Union[Path, Record, Identified], free: 
     Result of the best combination: parameters, units, values, deviations, verdicts, misfit, remarks,
     interrupted; text: the calibrated machine file, with its comments.
     values and deviations [SI]. Raises InputError for targets, paths and bounds that cannot be, ComputationError
-    where no fit is found.
+    where no fit is found. Source: docs/theory/calibration.md.
     """
     with files_of(targets) as files:
         return _core.calibrate(_core_of(machine), _checks.options(
@@ -398,7 +399,7 @@ def compare(*things: Union[Machine, Record, Identified, Frf, Path], overrides: M
     Result: things, descriptions, test; to_records(): a row per pair of modes with mac, differences (second less
     first), p and verdicts (significant, not_significant, calculated, cannot_say); the rest in to_dict().
     frequency_hz and frequency_difference_hz [Hz], mac, p and damping as shares. Raises InputError for things that
-    cannot be compared, ComputationError where progress stops.
+    cannot be compared, ComputationError where progress stops. Source: docs/howto/compare.md.
     """
     lines = _lines(overrides)
     machines = [thing for thing in things if isinstance(thing, Machine)]
@@ -447,7 +448,7 @@ def diagnose(machine: Machine, measured: Measured = (), *, against: str = "auto"
 
     Result: summary (sentences), finding, hypotheses (best first), bic, warnings; the rest in to_dict().
     Raises InputError for a measurement without modes and goals that cannot be. A diagnosis that progress stopped
-    says so in its summary, or raises ComputationError.
+    says so in its summary, or raises ComputationError. Source: docs/theory/diagnosis.md.
     """
     with files_of(measured) as files, all_or_none(progress, parts=True) as told:
         return _core.diagnose(_core_of(machine), _diagnosis(files, dict(
@@ -461,15 +462,18 @@ def diagnose(machine: Machine, measured: Measured = (), *, against: str = "auto"
 def report(machine: Machine, path: Optional[Path] = None, *, poses: Texts = (), title: str = "",
            theme: str = "auto", modes: Sequence[int] = (), points: int = 600,
            commands: Optional[Texts] = None, until: Optional[Quantity] = None, samples: int = 1500,
-           measured: Optional[Measured] = None, diagnose: Optional[Measured] = None,
-           compare: Union[Path, Compared, None] = None, progress: Optional[Progress] = None) -> Report:
+           measured: Optional[Measured] = None, from_: Optional[Quantity] = None, to: Optional[Quantity] = None,
+           input_from: Optional[str] = None, against: str = "auto", diagnose: Optional[Measured] = None,
+           want: Optional[Quantity] = None, compare: Union[Path, Compared, None] = None,
+           progress: Optional[Progress] = None) -> Report:
     """One HTML page with moving modes, Bode diagrams and all numbers; written to `path` if given.
 
-    commands: also simulate; samples: of each quantity of that run. measured: also identify this record.
-    diagnose: also diagnose from this. compare: also show this comparison, a Compared or the
+    commands: also simulate; samples: of each quantity of that run. measured: also identify this record,
+    with from_, to, input_from and against of identify(). diagnose: also diagnose from this, with want of diagnose(). compare: also show this comparison, a Compared or the
     JSON of `hydrapod compare`. In a notebook the
     result shows the page in a frame. Result: html, write(path), to_dict().
     Raises InputError for what cannot be read or written, ComputationError where progress stops.
+    Source: docs/howto/report.md.
     """
     with files_of(() if measured is None else measured) as records, \
             files_of(() if diagnose is None else diagnose) as causes, \
@@ -479,8 +483,9 @@ def report(machine: Machine, path: Optional[Path] = None, *, poses: Texts = (), 
             modes=[_checks.whole(mode, "modes") for mode in modes], points=points,
             commands=None if commands is None else _checks.words(commands, "commands"), until=until, samples=samples,
             comparison=_only(comparison, "compare") if comparison else None,
-            identification={"files": records} if records else None,
-            diagnosis=_diagnosis(causes, {}) if causes else None), told)
+            identification=_checks.options(**{"files": records, "from": from_, "to": to, "input_from": input_from,
+                                              "against": against}) if records else None,
+            diagnosis=_diagnosis(causes, {"want": want, "against": against}) if causes else None), told)
     if path is not None:
         result.write(os.fspath(path))
     return result

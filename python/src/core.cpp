@@ -25,12 +25,24 @@ void translate(std::exception_ptr thrown) {
   }
 }
 
+/// Older versions of pybind11 read NumPy 1's descriptions of types: with NumPy 2 all strides would
+/// be wrong.
+void require_numpy() {
+#if PYBIND11_VERSION_HEX < 0x020C0000
+  const auto version = py::module_::import("numpy").attr("__version__").cast<std::string>();
+  if (version.substr(0, version.find('.')) != "1")
+    throw py::import_error("this build of hydrapod is for NumPy 1 and NumPy is " + version +
+                           "; install numpy<2, or build hydrapod with pybind11 2.12 or newer");
+#endif
+}
+
 }  // namespace
 
 }  // namespace hydrapod::python
 
 PYBIND11_MODULE(_core, module) {
   using namespace hydrapod::python;
+  require_numpy();
   module.doc() = "hydrapod's tasks as an extension module; see hydrapod.";
   module.attr("version") = hydrapod::base::version;
   py::register_exception_translator(&translate);

@@ -8,6 +8,7 @@
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/dynamics/linear_model.hpp"
+#include "hydrapod/kinematics/legs.hpp"
 #include "hydrapod/modal/damped_modes.hpp"
 #include "hydrapod/model/machine_file.hpp"
 #include "hydrapod/study/study.hpp"
@@ -38,18 +39,62 @@ model::ParameterId found(const Subject& machine, const std::string& path) {
                                  (near.empty() ? "" : "; did you mean '" + near + "'?"));
 }
 
+/// Its pose where the design has it.
+const spatial::Pose& pose_of(const model::Machine& design, const Subject& machine) {
+  const auto* pose = model::find_pose(design, machine.pose.name);
+  return pose != nullptr ? pose->X_BP : machine.pose.X_BP;
+}
+
+/// Whether machines may have such numbers at `ids`: studies refuse the same ones.
+class Allowed {
+ public:
+  Allowed(const Subject& machine, const std::vector<model::ParameterId>& ids)
+      : machine_(machine),
+        ids_(ids),
+        bounds_are_enough_(std::ranges::all_of(
+            ids, [&](const auto& id) { return model::stands_alone(machine.file.machine, id); })) {}
+
+  bool operator()(const double* numbers) const {
+    if (bounds_are_enough_) {
+      for (std::size_t c = 0; c < ids_.size(); ++c)
+        if (!model::within_bound({ids_[c], numbers[c]})) return false;
+      return true;
+    }
+    const auto design = model::with(machine_.file.machine, assignments(ids_, numbers));
+    return !has_error(model::validate(design)) &&
+           !has_error(kinematics::check_pose(design, pose_of(design, machine_), ""));
+  }
+
+  static std::vector<model::Assignment> assignments(const std::vector<model::ParameterId>& ids,
+                                                    const double* numbers) {
+    std::vector<model::Assignment> all;
+    all.reserve(ids.size());
+    for (std::size_t c = 0; c < ids.size(); ++c) all.push_back({ids[c], numbers[c]});
+    return all;
+  }
+
+ private:
+  static bool has_error(const std::vector<model::Finding>& findings) {
+    return std::ranges::any_of(
+        findings, [](const auto& finding) { return finding.severity == base::Severity::error; });
+  }
+
+  const Subject& machine_;
+  const std::vector<model::ParameterId>& ids_;
+  bool bounds_are_enough_{};
+};
+
 /// Frequencies [Hz] of modal::modes_with_elastomers() of the design with `numbers` at `ids`; NaN
-/// where it does not stand.
+/// where it is not allowed or does not stand.
 void design_frequencies(const Subject& machine, const std::vector<model::ParameterId>& ids,
                         const double* numbers, double* out, int modes) {
-  std::vector<model::Assignment> assignments;
-  assignments.reserve(ids.size());
-  for (std::size_t c = 0; c < ids.size(); ++c) assignments.push_back({ids[c], numbers[c]});
+  if (!Allowed(machine, ids)(numbers)) {
+    std::fill(out, out + modes, std::numeric_limits<double>::quiet_NaN());
+    return;
+  }
   try {
-    const auto design = model::with(machine.file.machine, assignments);
-    const auto* pose = model::find_pose(design, machine.pose.name);
-    const auto model = dynamics::linear_model(
-        design, pose != nullptr ? pose->X_BP : machine.pose.X_BP, machine.kind);
+    const auto design = model::with(machine.file.machine, Allowed::assignments(ids, numbers));
+    const auto model = dynamics::linear_model(design, pose_of(design, machine), machine.kind);
     const auto found = modal::modes_with_elastomers(design, model);
     for (int m = 0; m < modes; ++m) out[m] = found.omega(m) / base::two_pi;
   } catch (const base::ComputationError&) {
@@ -76,6 +121,7 @@ py::array frequencies(const Subject& machine, const std::vector<std::string>& pa
   py::array_t<double> result({static_cast<py::ssize_t>(count), static_cast<py::ssize_t>(modes)});
   double* out = result.mutable_data();
   const auto width = static_cast<std::size_t>(modes);
+  const Allowed allowed(machine, ids);
   constexpr std::size_t block = 512;  // designs between two looks at signals
   const bool all = at_work(progress, [&](const numerics::Progress& watch) {
     return numerics::parallel_for(
@@ -87,6 +133,9 @@ py::array frequencies(const Subject& machine, const std::vector<std::string>& pa
           double* const to = out + first * width;
           of({numbers + first * columns, here * columns}, {to, here * width});
           for (std::size_t k = 0; k < here * width; ++k) to[k] /= base::two_pi;
+          for (std::size_t k = 0; k < here; ++k)
+            if (!allowed(numbers + (first + k) * columns))
+              std::fill_n(to + k * width, width, std::numeric_limits<double>::quiet_NaN());
         },
         watch);
   });

@@ -53,6 +53,13 @@ tasks::MeasureOptions measure_options(const Options& asked) {
     estimate.overlap = *overlap;
   }
   estimate.period = asked.at_least_zero("period", "s");
+  if (asked.get("whole_record", false)) {
+    if (estimate.block_length || asked.has("overlap") || estimate.period || estimator > 0 ||
+        estimate.window != identification::Window::hann)
+      base::refuse("whole_record",
+                   "takes no blocks: leave block, overlap, window, estimator and period out");
+    estimate.whole_record = true;
+  }
   estimate.settling = asked.at_least_zero("settling", "s").value_or(0.0);
   for (const auto& text : asked.get<Names>("sensors")) {
     const auto sensor = rig::parse_accelerometer(text);

@@ -89,7 +89,8 @@ std::shared_ptr<Study> run_study(const Machine& machine, const std::string& kind
     result->done = tasks::run_study(result->job, running, watch);
     return 0;
   });
-  if (result->done.run.done == 0) throw base::ComputationError("interrupted before the first row");
+  if (result->done.run.done == 0 && !result->done.complete)
+    throw base::ComputationError("interrupted before the first row");
   return result;
 }
 

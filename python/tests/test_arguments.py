@@ -39,6 +39,8 @@ sleeve = "legs.guide_sleeve.stiffness"
     (lambda m: hydrapod.montecarlo(m, {sleeve: "normal ± 1 %"}, results="rows.h5", shard=3), "shard"),
     (lambda m: hydrapod.frf(None), "a file, a Record"), (lambda m: hydrapod.frf(np.zeros((30, 2))), "Record"),
     (lambda m: hydrapod.frf([3]), "a Record"), (lambda m: hydrapod.frf("run.h5", block="256"), "block"),
+    (lambda m: hydrapod.frf("run.h5", whole_record=True, block=256), "whole_record"),
+    (lambda m: hydrapod.frf("run.h5", whole_record="no"), "whole_record"),
     (lambda m: hydrapod.calibrate(m, "modes.csv", {sleeve: 5}), sleeve),
     (lambda m: hydrapod.calibrate(m, "modes.csv", {sleeve: (np.nan, 1e6)}), sleeve),
     (lambda m: hydrapod.calibrate(m, "modes.csv", [sleeve], priors={sleeve: 5}), "priors"),

@@ -186,6 +186,12 @@ def test_measurement(run, task):
     assert call(run).to_dict() == expected
 
 
+def test_a_whole_record_is_asked_for(run):
+    """Of a loop it cannot be taken at once, which `--whole-record` says too."""
+    with pytest.raises(hydrapod.ComputationError, match="from the whole record at once"):
+        hydrapod.identify(run, whole_record=True)
+
+
 @pytest.fixture(scope="module")
 def targets(tmp_path_factory, heavy):
     """Modes of the machine with softer seals, as somebody would list them."""
@@ -223,6 +229,17 @@ def test_report(heavy, tmp_path):
     result = hydrapod.report(heavy, path, title="A & B", points=50)
     assert path.read_text().startswith("<!")
     assert result.to_dict()["title"] == "A & B"
+
+
+def test_report_of_a_measurement(strong_run):
+    """With the band, the inputs and the goal that `hydrapod report` takes."""
+    machine = hydrapod.read_machine(root / "models" / "zhang-jiang-2021.toml")
+    band = dict(from_=4, to="9 Hz", against="none", input_from="excitation")
+    found = hydrapod.report(machine, measured=strong_run, diagnose=strong_run, want="x=5 Hz", points=20, **band).to_dict()
+    alone = hydrapod.identify(strong_run, machine=machine, **band).to_dict()
+    assert found["identification"]["band_hz"] == alone["band_hz"]
+    assert found["identification"]["modes"] == alone["modes"]
+    assert any("5.00 Hz in x" in sentence for sentence in found["diagnosis"]["summary"])
 
 
 def test_results_are_inputs_as_their_files_are(heavy, strong_run, tmp_path):

@@ -378,6 +378,12 @@ thread.join()
     assert (done.returncode, done.stdout) == (0, "7\n"), done.stderr
 
 
+def test_numpy_that_the_build_is_not_for():
+    """pybind11 before 2.12 takes the arrays of NumPy 2 for others; newer versions do not."""
+    done = in_another("import numpy; numpy.__version__ = '2.1.0'\nimport hydrapod; print('imported')")
+    assert done.stdout == "imported\n" or "ImportError" in done.stderr and "numpy<2" in done.stderr, done.stderr
+
+
 def test_control_c_stops_long_signals():
     began = time.monotonic()
     hydrapod.sample_signals("white z=1 mm", rate=1000, duration=100)

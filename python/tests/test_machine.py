@@ -176,3 +176,50 @@ def test_responses_of_unstable_machines_say_so(heavy):
     assert not unstable.stable and "no steady vibration" in repr(unstable)
     assert sound.stable and "vibration" not in repr(sound)
     assert hydrapod.bode(heavy, input="command", points=5).stable
+
+
+def test_machines_are_built_from_keyword_arguments(model):
+    """As their files say, number by number."""
+    tomllib = pytest.importorskip("tomllib")
+    machine = hydrapod.read_machine(model)
+    built = hydrapod.build_machine(**tomllib.loads(machine.text))
+    assert built.paths == machine.paths and all(built[path] == machine[path] for path in machine.paths)
+    np.testing.assert_array_equal(hydrapod.modes(built).poles, hydrapod.modes(machine).poles)
+
+
+def test_what_machines_are_built_from(heavy):
+    tomllib = pytest.importorskip("tomllib")
+    tables = tomllib.loads(heavy.text)
+    tables["platform"] = {**tables["platform"], "mass": np.float32(13e3), "mass_center": np.array([0.0, 0.01, -0.2]),
+                          "inertia": {"xx": 9000, "yy": np.int64(9500), "zz": "14 t m^2", "xy": None}}
+    built = hydrapod.build_machine(**{**tables, "name": "a \"b\"\n\\ ü", "leg": {3: {"rod": {"mass": "61 kg"}}}})
+    assert built.name == "a \"b\"\n\\ ü" and built["leg.3.rod.mass"] == 61.0 != built["leg.2.rod.mass"]
+    assert built["platform.mass"] == 13e3 and built["platform.inertia.zz"] == 14e3
+    assert list(built.platform.mass_center) == [0.0, 0.01, -0.2]
+    with pytest.raises(hydrapod.InputError, match="mas"):
+        hydrapod.build_machine(**{**tables, "platform": {"mas": 3}})
+    for wrong in (object(), 3j, b"4 t"):
+        with pytest.raises(TypeError, match="platform.mass"):
+            hydrapod.build_machine(platform={"mass": wrong})
+    with pytest.raises(TypeError, match="key"):
+        hydrapod.build_machine(platform={None: 3})
+    with pytest.raises(ValueError, match="UTF-8"):
+        hydrapod.build_machine(name="\udcff")
+    with pytest.raises(ValueError, match="UTF-8"):
+        hydrapod.Machine("name = '\udcff'")
+
+
+def test_results_have_pictures_in_notebooks(heavy):
+    """Well-formed, and of finite numbers."""
+    import xml.etree.ElementTree as tree
+
+    record = hydrapod.Record(np.array([[1.0, np.nan], [2.0, np.nan], [-1.0, np.nan]]), 100.0, ["<a>", "b"])
+    pictured = [hydrapod.modes(heavy), hydrapod.bode(heavy, points=700), hydrapod.bode(heavy, input="command", points=9),
+                hydrapod.simulate(heavy, "step x=1 mm", until=0.2)]
+    for result in [heavy, record, *pictured]:
+        page = tree.fromstring(result._repr_html_())
+        drawn = page.findall("{http://www.w3.org/2000/svg}svg")
+        assert len(drawn) == (result in pictured)
+        for path in page.iter("{http://www.w3.org/2000/svg}path"):
+            points = np.array(path.get("d").replace("L", " ").replace("M", " ").split(), dtype=float)
+            assert 4 <= len(points) <= 2 * 300 and (points >= 0).all() and (points <= 360).all()

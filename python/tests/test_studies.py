@@ -221,3 +221,26 @@ def test_functions_may_have_no_result(heavy):
     assert "own" in study and "lowest" in study and "no such" not in study
     with pytest.raises(TypeError, match="iterable"):
         iter(study)
+
+
+@pytest.mark.parametrize("path, value", [
+    ("platform.mass", -1.0), ("platform.mass", 0.0), (sleeve, -1e6), ("platform.inertia.xx", 1.0),
+    ("platform.inertia.xx", -5.0), ("legs.rod.length", -1.0), ("legs.rod.length", 100.0),
+    ("legs.oil_spring.cylinder.bore", -0.1)])
+def test_designs_that_no_machine_can_be_have_no_frequencies(heavy, path, value):
+    """They had some: 27.6 Hz of a platform of -1 kg. Optimisers and samplers go there."""
+    many = hydrapod.frequencies(heavy, {path: [heavy[path], value]})
+    assert np.isfinite(many[0]).all() and np.isnan(many[1]).all()
+    assert np.isnan(hydrapod.frequencies(heavy, {path: value})).all()
+    assert np.isnan(hydrapod.DesignFunction(heavy, path, modes=2)([value])).all()
+    assert hydrapod.sweep(heavy, {path: [value]})["status"][0] != 0.0
+
+
+@pytest.mark.parametrize("task, over", [(hydrapod.sweep, {"platform.mass": np.linspace(13e3, 15e3, 600)}),
+                                        (hydrapod.workspace_map, {"x": np.linspace(-0.05, 0.05, 600)})])
+def test_grids_may_be_split(heavy, tmp_path, task, over):
+    """Over several machines, as `hydrapod sweep --shard` and `--join` do."""
+    whole, path = task(heavy, over), tmp_path / "rows.h5"
+    for k in (1, 2):
+        task(heavy, over, results=path, shard=(k, 2))
+    np.testing.assert_array_equal(task(heavy, over, results=path, shard=(1, 2), join=True).values, whole.values)

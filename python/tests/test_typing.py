@@ -2,10 +2,12 @@
 
 import os
 import pathlib
+import re
 import subprocess
 import sys
 
 import pytest
+from conftest import root
 
 import hydrapod
 
@@ -69,10 +71,12 @@ def test_results_say_what_their_attributes_are():
     assert "(dof, n)" in hydrapod.Modes.shapes.__doc__ and "[N/m" in hydrapod.ModelModes.K.__doc__
 
 
-def test_tasks_say_their_errors_and_units():
+def test_tasks_say_their_errors_and_sources():
     for name in ("modes", "modes_at_poses", "system", "root_locus", "bode", "sensitivity", "frequencies", "simulate",
                  "rig", "frf", "identify", "calibrate", "compare", "diagnose", "report", "montecarlo", "sweep",
                  "workspace_map", "design", "export", "machine_state_space", "superelement", "leg_lengths",
                  "leg_jacobian", "forward_kinematics", "static_equilibrium", "sample_signals", "read_machine",
                  "read_record"):
-        assert "Raises" in getattr(hydrapod, name).__doc__, name
+        text = getattr(hydrapod, name).__doc__
+        pages = re.findall(r"docs/[\w/-]+\.md", text)
+        assert "Raises" in text and pages and all((root / page).is_file() for page in pages), name

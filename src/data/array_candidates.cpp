@@ -124,4 +124,11 @@ bool holds_responses(VariableFile& file) {
   });
 }
 
+const char* what_else(VariableFile& file) {
+  if (is_text(file.variables(), "format", "hydrapod state space"))
+    return "the file holds a state space that `hydrapod export` wrote, no samples over time";
+  return holds_responses(file) ? "the file holds frequency responses, no samples over time"
+                               : nullptr;
+}
+
 }  // namespace hydrapod::data

@@ -18,6 +18,8 @@ ReadFrequencyResponsesResult read_response_table(const std::string& path);
 /// A MAT or HDF5 file: one that hydrapod wrote, or one of another program with complex arrays as
 /// long as a list of frequencies beside them and no times.
 bool holds_responses(VariableFile& file);
+/// What a MAT or HDF5 file holds that is no record, in words; null: it may be one.
+const char* what_else(VariableFile& file);
 ReadFrequencyResponsesResult read_response_arrays(const std::string& path, OpenVariableFile open);
 
 /// Fails where all imaginary parts are exactly 0: these are magnitudes, or real parts alone.

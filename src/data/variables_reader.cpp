@@ -42,8 +42,7 @@ class VariablesReader final : public RecordReader {
   VariablesReader(const std::string& path, OpenVariableFile open, const ReadOptions& options)
       : RecordReader(path), file_(open(path, notes_)) {
     const bool own = text("format") == record_mark;
-    if (!own && holds_responses(*file_))
-      notes_.fail("the file holds frequency responses, no samples over time");
+    if (const char* other = own ? nullptr : what_else(*file_)) notes_.fail(other);
     if (own)
       read_own();
     else

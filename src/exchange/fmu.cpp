@@ -11,6 +11,7 @@
 
 #include "fmu_description.hpp"
 #include "hydrapod/base/version.hpp"
+#include "hydrapod/simulation/closed_loop.hpp"
 #include "zip.hpp"
 
 namespace hydrapod::exchange {
@@ -55,13 +56,29 @@ std::string identifier_of(const std::string& name) {
   return result.empty() ? "hydrapod" : result;
 }
 
-Parity parity_of(const FmuMachine& fmu, bool has_sources) {
+/// Why the machine does not stay at its rest while the inputs stay as they start; empty where it
+/// does, but for the drift of valves that leak.
+std::string instability_of(const FmuMachine& fmu) {
+  if (fmu.controlled || !fmu.hydraulics)
+    return simulation::instability(fmu.machine, fmu.reference(), fmu.kind, fmu.controlled);
+  const auto poles = simulation::system_poles(simulation::linear_system(
+      fmu.machine, fmu.reference(), {.kind = fmu.kind, .closed = false, .sampled = false}));
+  if (poles.largest_real <= simulation::slowest_growth) return {};
+  return fmt::format(
+      "small motions grow, the fastest by e in {:.3g} s, while the commands of the "
+      "actuators stay as they start",
+      1.0 / poles.largest_real);
+}
+
+Parity parity_of(const FmuMachine& fmu, const std::string& instability, bool has_sources) {
   Parity parity{
       {Held::exact, "large motions of platform and legs, seals, end stops",
        "the equations of `hydrapod simulate`, doubles"},
       {Held::exact, "numbers of the machine file that the plant depends on",
        "parameters in SI units: what changes no length can be tuned during a simulation, all "
        "else is set before the FMU is initialized"}};
+  if (!instability.empty())
+    parity.push_back({Held::exact, "UNSTABLE at this pose", instability + "; so it is in the FMU"});
   if (fmu.drives())
     parity.push_back({Held::exact, "motors, screws, speed loops, friction",
                       fmu.controlled ? "commands of the drives come from the controller inside"
@@ -125,6 +142,7 @@ Fmu fmu(const Machine& machine, const model::NamedPose& pose, const FmuOptions& 
                            .identifier = identifier_of(machine.name),
                            .title = head.title,
                            .object_size = options.object.size(),
+                           .instability = instability_of(held),
                            .sources = options.sources};
   const bool three = options.version == FmuVersion::fmi3;
   ZipWriter zip;
@@ -148,7 +166,7 @@ Fmu fmu(const Machine& machine, const model::NamedPose& pose, const FmuOptions& 
         "suggestedScalingFactorTo_mm=\"0.1\"/>\n"
         "    <Icon x1=\"-100\" y1=\"-100\" x2=\"100\" y2=\"100\"/>\n"
         "  </GraphicalRepresentation>\n</fmiTerminalsAndIcons>\n");
-  return {zip.bytes(), parity_of(held, !options.sources.empty())};
+  return {zip.bytes(), parity_of(held, content.instability, !options.sources.empty())};
 }
 
 /// From the folder of what this code is in, upwards: a build folder has apps/fmu, an installation

@@ -14,6 +14,7 @@ struct FmuContent {
   std::string identifier{};  ///< of the shared object: letters, digits, underscores
   std::string title{};
   std::size_t object_size{};
+  std::string instability{};  ///< why the machine does not stay at its rest; empty: it does
   const FmuSources& sources;
 };
 

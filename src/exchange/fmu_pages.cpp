@@ -102,6 +102,9 @@ std::string fmu_page(const FmuContent& fmu) {
              : fmu.machine.hydraulics
                  ? "The start values of the valve commands hold it there."
                  : "The start values of the axial forces hold it there; there is no oil spring.") +
+         (fmu.instability.empty() ? std::string()
+                                  : "<p><strong>UNSTABLE at this pose:</strong> " +
+                                        escaped(fmu.instability) + "</p>\n") +
          "<p>Model exchange: the event indicators mark end stops, cavitation and the piston that "
          "leaves its guide sleeve, where the model ends. Co-simulation: an embedded Runge–Kutta "
          "method of order 5(4) with the tolerance that the environment gives (1e-6 unless it gives "

@@ -82,7 +82,14 @@ bool has_absent(const Parity& parity) {
 Parity state_space_parity(const StateSpace& system) {
   Parity parity{{Held::exact, small_motion, "A, B, C, D of the linearised equations, doubles"},
                 {Held::approximate, "large motions", "only the slope at this pose is held"}};
-  add_growth(growth(system), parity);
+  const double rate = growth(system);
+  if (system.system == SystemKind::plant && rate > 0.0 && rate <= simulation::slowest_growth)
+    parity.push_back({Held::exact, "drift at this pose",
+                      fmt::format("without a controller the pose is not held: the platform drifts "
+                                  "by e in {:.3g} s",
+                                  1.0 / rate)});
+  else
+    add_growth(rate, parity);
   const auto has_state = [&](const char* name) {
     return std::ranges::any_of(
         system.states, [&](const auto& s) { return s.name.find(name) != std::string::npos; });

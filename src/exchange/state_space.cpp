@@ -376,6 +376,7 @@ StateSpace state_space(const Machine& machine, const Pose& X_BP, const StateSpac
   StateSpace system = options.system == SystemKind::mechanics
                           ? mechanics(machine, X_BP, options)
                           : with_actuators(machine, X_BP, options);
+  system.system = options.system;
   select(options, system);
   if (options.reduced_states > 0) system = reduced(system, options.reduced_states);
   return options.sample_time > 0.0 ? discretised(system, options.sample_time) : system;

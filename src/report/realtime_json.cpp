@@ -30,7 +30,8 @@ Json serve_json(const realtime::ServeResult& r) {
             {"time_s", r.run.time},
             {"samples", r.run.samples},
             {"state", realtime::name(r.state)},
-            {"scheduling", r.scheduling}};
+            {"scheduling", r.scheduling},
+            {"warnings", r.warnings}};
   json["commands"] = {
       {"accepted", c.accepted},   {"superseded", c.superseded}, {"missed", c.missed},
       {"lost", c.lost},           {"reordered", c.reordered},   {"duplicated", c.duplicated},

@@ -411,6 +411,8 @@ Served serve(const Machine& machine, const ServeOptions& asked, const Progress& 
   if (!asked.rest.empty())
     options.rest = displacement_of(of, machine.pose.X_BP, asked.rest, "--rest " + asked.rest);
   auto loop = bounded_loop(of, machine.pose.X_BP, loop_options, "--duration");
+  const std::string unstable = simulation::instability(loop);
+  if (asked.warn && !unstable.empty()) asked.warn(unstable);
   Served served;
   std::unique_ptr<data::RecordWriter> writer;
   realtime::OpenRecord open;
@@ -422,6 +424,7 @@ Served serve(const Machine& machine, const ServeOptions& asked, const Progress& 
         header.channels.push_back(more);
       header.sample_rate = 1.0 / of.controller.sample_time;
       header.notes = with_lines("commands of a client, `hydrapod serve`", header.notes);
+      header.notes = with_lines(unstable, header.notes);
       header.experiment.controller = controller_text(loop.parameters());
       for (const auto& one : options.accelerometers)
         header.experiment.sensors.push_back({one.name, one.p_P, one.e_P});
@@ -429,6 +432,7 @@ Served serve(const Machine& machine, const ServeOptions& asked, const Progress& 
     };
   const double whole = asked.duration.value_or(std::numeric_limits<double>::infinity());
   served.result = realtime::serve(loop, options, open, keep_going(progress, whole));
+  if (!unstable.empty()) served.result.warnings.push_back(unstable);
   using simulation::RunEnd;
   const RunEnd end = served.result.run.end;  // without a duration it is stopped by its user
   if (writer)

@@ -139,6 +139,8 @@ TEST_F(OutputFiles, AResultIsReplacedAndAnnounced) {
       {"record", "show", "run.csv", "-o", "o.json"},
       {"report", "m.toml", "-o", "p.html"},
       {"export", "m.toml", "--to", "json", "-o", "q.json"},
+      {"export", "m.toml", "--to", "mat", "--sample-time", "1 ms", "-o", "q.mat"},
+      {"export", "m.toml", "--to", "hdf5", "--sample-time", "1 ms", "-o", "q.h5"},
       {"export", "m.toml", "--to", "dmig", "-o", "q.pch"},
       {"export", "m.toml", "--to", "mtx", "-o", "q.mtx"},
       {"export", "m.toml", "--to", "sdf", "--approximate", "-o", "q.sdf"},
@@ -151,6 +153,19 @@ TEST_F(OutputFiles, AResultIsReplacedAndAnnounced) {
       const std::string stem = command.back().substr(0, command.back().find('.'));
       EXPECT_THAT(result.err + result.out, HasSubstr("wrote " + stem));
     }
+}
+
+/// A sampled state space has matrices and a sample time, as records of other programs have.
+TEST_F(OutputFiles, AStateSpaceIsNoRecord) {
+  for (const std::string file : {"q.mat", "q.h5"}) {
+    ASSERT_EQ(run({"export", "m.toml", "--to", file == "q.mat" ? "mat" : "hdf5", "--sample-time",
+                   "1 ms", "-o", file})
+                  .exit_code,
+              0);
+    const auto shown = run({"record", "show", file});
+    EXPECT_EQ(shown.exit_code, 2);
+    EXPECT_THAT(shown.err, HasSubstr("holds a state space that `hydrapod export` wrote"));
+  }
 }
 
 /// What somebody wrote is not what a program wrote, though it speaks of it and has its endings.

@@ -367,6 +367,30 @@ TEST_F(Serve, AMachineBehindUdpIsIdentified) {
     EXPECT_NEAR(measured.at(label) / frequency, 1.0, 0.003) << label;
 }
 
+/// Before clients can come, and in the result and the record.
+TEST_F(Serve, WarnsWhereTheMachineDoesNotStayAtItsPose) {
+  const auto heavy = source_file("models/heavy-platform.toml").string();
+  const auto served = [&](const std::string& setting) {
+    return run({"serve", heavy, "--set", setting, "--udp", "0", "--duration", "0.02", "--format",
+                "json", "--force", "-o", "served.h5"});
+  };
+  for (const auto& [setting, reason] :
+       {std::pair{"platform.mass=18 t", "the static equilibrium is unstable"},
+        {"controller.gain=40", "the closed loop is unstable: it oscillates at "}}) {
+    const auto done = served(setting);
+    const auto warning = done.err.find("warning: "), listening = done.err.find("listening at ");
+    EXPECT_LT(warning, listening) << done.err;
+    EXPECT_THAT(done.err.substr(warning, listening - warning), HasSubstr(reason));
+    const auto told = json::parse(done.out)["warnings"];
+    ASSERT_EQ(told.size(), 1U);
+    EXPECT_THAT(told[0].get<std::string>(), HasSubstr(reason));
+    EXPECT_THAT(data::read_record(file("served.h5")).record.header.notes, HasSubstr(reason));
+  }
+  const auto sound = served("platform.mass=14 t");
+  EXPECT_THAT(sound.err, testing::Not(HasSubstr("warning")));
+  EXPECT_TRUE(json::parse(sound.out)["warnings"].empty());
+}
+
 TEST_F(Serve, HardwareOptionsBelongToHardware) {
   const auto told = [&](const std::vector<std::string>& more) {
     std::vector<std::string> words{"rig", machine, "-o", "r.h5"};

@@ -19,6 +19,10 @@ TEST_P(FmuLong, FollowsThePlantOverTenSecondsOfNoise) {
   expect_same_motion(Subject(GetParam()), 10000);
 }
 
+TEST_P(FmuLong, FollowsThePlantInModelExchangeOverTenSecondsOfNoise) {
+  expect_same_motion_in_model_exchange(Subject(GetParam()), 10000);
+}
+
 INSTANTIATE_TEST_SUITE_P(
     Plant, FmuLong, testing::Values(Case{FmuVersion::fmi2, true}, Case{FmuVersion::fmi3, true}),
     [](const auto& of) {

@@ -1,6 +1,10 @@
 #pragma once
 /// A machine, its plant and its FMU, with noise for their inputs.
 
+#include <cvode/cvode.h>
+#include <nvector/nvector_serial.h>
+#include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
+
 #include <cmath>
 
 #include "exchange/fmu_driver.hpp"
@@ -193,6 +197,64 @@ inline void expect_same_motion(const Subject& subject, int steps) {
     if (k % 10 == 9) difference.add(reference.state(), slave.get(subject.states).data());
   }
   EXPECT_LT(difference.relative(subject.plant.scales()), 1e-6);
+}
+
+/// The FMU's derivatives for CVODE.
+struct Equation {
+  const Slave* slave;
+  static int rate(double time, N_Vector x, N_Vector rates, void* data) {
+    const auto& slave = *static_cast<Equation*>(data)->slave;
+    const auto n = static_cast<std::size_t>(N_VGetLength(x));
+    const std::vector<double> states(N_VGetArrayPointer(x), N_VGetArrayPointer(x) + n);
+    const int status = slave.call(slave.fmu().three ? "fmi3SetTime" : "fmi2SetTime", time) +
+                       slave.set_states(states) + slave.derivatives(N_VGetArrayPointer(rates), n);
+    return status == ok ? 0 : 1;
+  }
+};
+
+/// Model exchange under CVODE with noise, against the plant.
+inline void expect_same_motion_in_model_exchange(const Subject& subject, int steps) {
+  const Slave slave(subject.fmu, false);
+  slave.enter_continuous_time();
+  const auto n = static_cast<std::size_t>(subject.rest.x.size());
+  SUNContext context{};
+  ASSERT_EQ(0, SUNContext_Create(nullptr, &context));
+  N_Vector x = N_VNew_Serial(static_cast<sunindextype>(n), context);
+  N_Vector absolute = N_VClone(x);
+  ASSERT_EQ(ok, slave.states(N_VGetArrayPointer(x), n));
+  constexpr double tolerance = 1e-11;
+  for (std::size_t k = 0; k < n; ++k)
+    N_VGetArrayPointer(absolute)[k] = tolerance * subject.plant.scales()[static_cast<int>(k)];
+  Equation equation{&slave};
+  void* memory = CVodeCreate(CV_ADAMS, context);
+  ASSERT_EQ(0, CVodeInit(memory, &Equation::rate, 0.0, x));
+  ASSERT_EQ(0, CVodeSVtolerances(memory, tolerance, absolute));
+  ASSERT_EQ(0, CVodeSetUserData(memory, &equation));
+  ASSERT_EQ(0, CVodeSetMaxNumSteps(memory, 100000));
+  SUNNonlinearSolver solver = SUNNonlinSol_FixedPoint(x, 0, context);
+  ASSERT_EQ(0, CVodeSetNonlinearSolver(memory, solver));
+
+  Integrator reference(subject.plant, {.relative_tolerance = 1e-10, .absolute_tolerance = 1e-10});
+  reference.start(0.0, subject.rest.x);
+  Random random(4);
+  Difference difference;
+  double time = 0.0;
+  for (int k = 0; k < steps; ++k) {
+    const auto values = subject.noise(random);
+    ASSERT_EQ(ok, slave.set(subject.inputs, values));
+    ASSERT_EQ(0, CVodeReInit(memory, time, x));
+    ASSERT_EQ(0, CVodeSetStopTime(memory, sample * (k + 1)));
+    while (time < sample * (k + 1))
+      ASSERT_LE(0, CVode(memory, sample * (k + 1), x, &time, CV_NORMAL));
+    reference.advance(time, subject.input(values));
+    difference.add(reference.state(), N_VGetArrayPointer(x));
+  }
+  EXPECT_LT(difference.relative(subject.plant.scales()), 1e-6);
+  SUNNonlinSolFree(solver);
+  CVodeFree(&memory);
+  N_VDestroy(absolute);
+  N_VDestroy(x);
+  SUNContext_Free(&context);
 }
 
 }  // namespace hydrapod::test

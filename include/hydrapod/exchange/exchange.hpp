@@ -91,6 +91,7 @@ struct StateSpace {
   double delay{};        ///< that a Padé approximation of order `pade_order` stands for [s]
   int pade_order{};
   std::optional<Reduction> reduction{};
+  SystemKind system{SystemKind::mechanics};
 };
 
 struct StateSpaceOptions {

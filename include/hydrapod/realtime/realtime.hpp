@@ -211,6 +211,7 @@ struct ServeOptions {
 
 struct ServeResult {
   simulation::RunSummary run{};
+  std::vector<std::string> warnings{};  ///< of the machine as it is served: it is not stable
   std::string place{};
   bool lock_step{};
   double sample_time{};  ///< [s]

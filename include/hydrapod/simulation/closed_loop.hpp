@@ -341,6 +341,10 @@ std::vector<MotionFinding> check_motion(const Plant& plant,
 /// Why the machine does not stay at its operating pose without excitation: legs that buckle under
 /// the present load, or a closed loop that is unstable by its sampled poles. Empty where it stays.
 std::string instability(const ClosedLoop& loop);
+/// The same of a machine; no `controller`: as tune_controller has it. Not `controlled`: on its oil
+/// springs.
+std::string instability(const model::Machine& machine, const Pose& X_BP, ModelKind kind,
+                        bool controlled, const control::ControllerParameters* controller = {});
 
 /// Why a pose that the platform has come to ends a run: a joint beyond its limit, a singular pose.
 /// Empty when it does not.

@@ -150,6 +150,9 @@ struct SystemPole {
 /// within this share of |λ|. It does not grow.
 inline constexpr double rounded_growth = 1e-9;
 bool grows(std::complex<double> pole);
+/// Slower than this a pole without a controller is a drift [1/s]: the leakage of valves that are
+/// held lets the platform move away, which is no fault.
+inline constexpr double slowest_growth = 1e-2;
 
 struct SystemPoles {
   std::vector<SystemPole> poles{};  ///< least damped in time first: by Re λ, descending

@@ -72,6 +72,8 @@ struct ServeOptions {
   simulation::LoopOptions loop{};    ///< `kind`, `until`, `output_interval` are not used
   std::string record{};              ///< file to write; empty: none
   Origin origin{};
+  /// Called with each of ServeResult::warnings before clients can come.
+  std::function<void(const std::string& warning)> warn{};
 };
 
 struct Served {
