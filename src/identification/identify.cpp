@@ -22,6 +22,7 @@
 #include "repeated_modes.hpp"
 #include "residual_tests.hpp"
 #include "search.hpp"
+#include "twins.hpp"
 #include "usable.hpp"
 #include "weak_modes.hpp"
 #include "window_effect.hpp"
@@ -429,7 +430,12 @@ void test_window(const FrequencyResponses& given, const IdentifyOptions& options
   const auto is_noise = [&](const ModalModel& model, const std::vector<Unexplained>& unexplained) {
     return unexplained.empty() && model.misfit <= options.largest_misfit;
   };
-  if (is_noise(result.model, result.unexplained) || result.model.error < options.window.least_left)
+  const auto has_twins = [](const Identification& found) {
+    return std::ranges::any_of(twin_groups(found.modes),
+                               [](const auto& group) { return group.size() > 1; });
+  };
+  if ((is_noise(result.model, result.unexplained) && !has_twins(result)) ||
+      result.model.error < options.window.least_left)
     return;
   if (!may_be_windowed(given, options.window)) return;
   std::optional<Window> found;
@@ -439,14 +445,19 @@ void test_window(const FrequencyResponses& given, const IdentifyOptions& options
     if (progress) progress(1.0);
     stopped = false;
   };
-  for (const auto window : {Window::hann, Window::rectangular}) {
+  bool clean = false;  // with the window noise alone is left
+  for (const auto window : {Window::hann, Window::rectangular, Window::hamming,
+                            Window::blackman_harris, Window::flat_top}) {
     try {
       auto other = identified(with_window(given, window, options.window), options, watched);
-      if (other.modes.empty() || !is_noise(other.model, other.unexplained) ||
-          !widens(other, options) || !(evidence(other, result, options) > options.window.evidence))
+      const bool noise = is_noise(other.model, other.unexplained) && !has_twins(other);
+      if (other.modes.empty() || (clean && !noise) || !widens(other, options) ||
+          !((noise && !clean && found) ||
+            evidence(other, result, options) > options.window.evidence))
         continue;
       result = std::move(other);
       found = window;
+      clean = noise;
     } catch (const base::ComputationError&) {  // with this window no modes are found
       if (stopped) throw;
     }
@@ -463,6 +474,9 @@ void test_window(const FrequencyResponses& given, const IdentifyOptions& options
                           .from = r.frequency.front(),
                           .to = r.frequency.back(),
                           .window = std::string(window_text(*found))});
+  if (clean) return;
+  constexpr double uncertain = 0.4;  // the window may be another one
+  for (auto& mode : result.modes) mode.explained = std::min(mode.explained, uncertain);
 }
 
 }  // namespace
@@ -473,6 +487,7 @@ Identification identify_modes(const FrequencyResponses& all, const IdentifyOptio
   const auto& given = usable.get();
   auto result = identified(given, asked, progress);
   test_window(given, asked, progress, result);
+  warn_of_twins(asked, result);
   if (!given.has_errors()) remove_errors(result.responses);
   return result;
 }

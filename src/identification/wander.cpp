@@ -15,6 +15,7 @@
 #include "refit.hpp"
 #include "sensor_watch.hpp"
 #include "short_record.hpp"
+#include "twins.hpp"
 
 namespace hydrapod::identification {
 
@@ -169,7 +170,10 @@ data::ResponseWarning warning_in(const SensorWatch::Change& change, const Freque
 class PartFits {
  public:
   PartFits(const Identification& found, const IdentifyOptions& options)
-      : found_(found), options_(options), sensors_(found.responses) {}
+      : twins_(twin_groups(found.modes)),
+        found_(with_twins_merged(found, twins_)),
+        options_(options),
+        sensors_(found_.responses) {}
 
   /// `fit`: or only the sensors are looked at.
   void add(CrossSpectra&& part, const ChannelChoice& choice, Estimator estimator, bool fit = true) {
@@ -215,19 +219,21 @@ class PartFits {
           !(spread.deviation > options.least_spread * mode.damping_ratio() * mode.omega()))
         continue;
       const auto damping = spread_of(fits_.damping(r, parts), fits_.damping_deviation(r, parts));
-      list.push_back({.mode = static_cast<std::size_t>(r),
-                      .chi_squared = spread.chi_squared,
-                      .groups = static_cast<int>(parts.size()),
-                      .lowest = omega.minCoeff(),
-                      .highest = omega.maxCoeff(),
-                      .deviation = spread.deviation,
-                      .damping_in_groups = damping.mean});
+      for (const auto member : twins_[static_cast<std::size_t>(r)])
+        list.push_back({.mode = member,
+                        .chi_squared = spread.chi_squared,
+                        .groups = static_cast<int>(parts.size()),
+                        .lowest = omega.minCoeff(),
+                        .highest = omega.maxCoeff(),
+                        .deviation = spread.deviation,
+                        .damping_in_groups = damping.mean});
     }
     return list;
   }
 
  private:
-  const Identification& found_;
+  std::vector<std::vector<std::size_t>> twins_;
+  Identification found_;  // a resonance that became several is one
   const IdentifyOptions& options_;
   GroupFits fits_{};
   SensorWatch sensors_;
@@ -373,10 +379,15 @@ void add_changed_channel(const data::ResponseWarning& changed, Identification& f
 }
 
 void add_wandering(const std::vector<Wandering>& wandering, Identification& found) {
+  const auto twins = twin_groups(found.modes);
   for (const auto& w : wandering) {
     auto& mode = found.modes.at(w.mode);
     const double half_width = mode.fit.damping_ratio() * mode.fit.omega();
-    mode.steadiness = half_width / (half_width + w.deviation);
+    // one resonance that is elsewhere in each part: no mode is where the twins are
+    const bool is_twin = std::ranges::any_of(twins, [&](const auto& group) {
+      return group.size() > 1 && std::ranges::find(group, w.mode) != group.end();
+    });
+    mode.steadiness = is_twin ? 0.0 : half_width / (half_width + w.deviation);
     found.warnings.push_back(
         {.kind = ModeWarning::Kind::wanders,
          .value = mode.fit.omega() / two_pi,

@@ -49,14 +49,27 @@ double let_in(const VectorXd& taper, double lines) {
   return std::max(0.0, sum) / n;
 }
 
-constexpr Index per_line = 4;          // points of the integral
-constexpr Index reach = 8 * per_line;  // a Hann window lets in 1e-8 from beyond
+constexpr Index per_line = 4;  // points of the integral
+
+/// Of the integral to either side, in points. A Hann window lets in 1e-8 from beyond 8 lines, a
+/// rectangular one, whose taper is 1 − |τ|/n, decays as the square of the distance: of it as many
+/// lines are taken as there are, or as some billion operations allow.
+Index reach_of(const FrequencyResponses& r) {
+  constexpr double operations = 2e9;
+  constexpr Index narrow = 8;
+  if (!(r.taper[r.taper.size() / 2] > 0.4)) return narrow * per_line;
+  const auto lines = static_cast<Index>(r.lines());
+  const double outputs = static_cast<double>(r.H[0].rows()),
+               each = outputs * outputs * static_cast<double>(r.H[0].cols() * lines);
+  const auto allowed = static_cast<Index>(operations / (2.0 * per_line * each));
+  return std::clamp(lines, narrow, std::max(narrow, allowed)) * per_line;
+}
 
 /// The model without window at every `per_line`-th part of a line, from `reach` below the first
 /// line to `reach` above the last one.
 class FineResponses {
  public:
-  FineResponses(const ModalModel& model, const FrequencyResponses& r)
+  FineResponses(const ModalModel& model, const FrequencyResponses& r, Index reach)
       : distance_(r.sample_rate / static_cast<double>(r.taper.size()) / per_line),
         first_(number(r.frequency.front()) - reach) {
     for (Index k = first_; k <= number(r.frequency.back()) + reach; ++k) {
@@ -80,12 +93,13 @@ class FineResponses {
 /// K E[e_oi e*_pi]/Q_ii per line, outputs × outputs.
 std::vector<MatrixXcd> leakage(const FrequencyResponses& r, const data::PerLine<MatrixXcd>& rest,
                                const ModalModel& model) {
+  const Index reach = reach_of(r);
   VectorXd weight(2 * reach + 1);
   for (Index j = -reach; j <= reach; ++j)
     weight[j + reach] = let_in(r.taper, static_cast<double>(j) / per_line);
   weight /= weight.sum();
   const VectorXcd per_input = r.input_factor[0].diagonal().cwiseInverse();
-  const FineResponses fine(model, r);
+  const FineResponses fine(model, r, reach);
   std::vector<MatrixXcd> leak(r.lines(), MatrixXcd::Zero(r.H[0].rows(), r.H[0].rows()));
   for (std::size_t k = 0; k < r.lines(); ++k) {
     const MatrixXcd mean = r.H[k] - rest[k];

@@ -382,6 +382,13 @@ std::string warning_text(const identification::ModeWarning& w) {
           "modes were looked for from {:.4g} Hz to {:.4g} Hz, and the responses have {} above, the "
           "largest at {:.4g} Hz: modes there may be missing; --to sets the band",
           w.from, w.to, w.count == 1 ? "a peak" : fmt::format("{} peaks", w.count), w.value);
+    case Kind::twins:
+      return fmt::format(
+          "{} of {} modes stand beside another one with the same shape and participation, as at "
+          "{:.5g} Hz and {:.5g} Hz, {:.2g} half widths apart: one resonance may have become both, "
+          "by a window of the analyser that was not tried, or because it moved during the "
+          "measurement; a tuned absorber makes such pairs too",
+          w.count, w.total, w.from, w.to, w.value);
     case Kind::conjugated:
       return fmt::format(
           "the phases rise through the resonances: from {:.4g} Hz to {:.4g} Hz modes leave {} % "

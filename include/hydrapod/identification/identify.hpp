@@ -361,11 +361,11 @@ struct ModeWarning {
                    ///< its frequency, `to` its half-power bandwidth [Hz]
     peaks_above,   ///< `count` peaks, the largest at value [Hz], above the band `from` … `to`
     conjugated,    ///< modes leave `share` of the responses (RMS), and `value` of their conjugates
-    window         ///< the responses are averages with this window, in blocks of value [s]
+    window,        ///< the responses are averages with this window, in blocks of value [s]
+    twins          ///< `count` of `total` modes; a pair: `from`, `to` [Hz], value half widths apart
   };
   Kind kind{};
-  double value{};
-  double from{}, to{};
+  double value{}, from{}, to{};
   double smooth{}, share{};                 ///< of Unexplained
   std::string output{}, input{}, window{};  ///< names
   std::int64_t count{}, total{};
