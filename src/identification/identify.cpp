@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <ranges>
 
 #include "assumed_errors.hpp"
@@ -26,6 +27,7 @@
 #include "usable.hpp"
 #include "weak_modes.hpp"
 #include "window_effect.hpp"
+#include "window_trial.hpp"
 
 namespace hydrapod::identification {
 
@@ -384,6 +386,22 @@ void test_conjugates(const FrequencyResponses& responses, const IdentifyOptions&
   for (auto& mode : result.modes) mode.explained = 0.0;
 }
 
+/// Forces that nobody measured have a spectrum of their own: below the lowest mode their real poles
+/// are no modes, and modes there would have to be them.
+void begin_at_lowest_mode(const FrequencyResponses& half, IdentifyOptions options,
+                          Identification& result) {
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const auto& mode : result.model.modes)
+    if (mode.damping_ratio() <= options.highest_damping)
+      lowest = std::min(lowest, mode.omega() / two_pi);
+  const double from = options.band.below * lowest;
+  if (!std::isfinite(lowest) || !(from > result.from)) return;
+  options.from = from;
+  options.to = result.to;
+  auto other = fitted(options, search_in_best_band(half, options, {}), false);
+  if (other.model.modes.size() >= result.model.modes.size()) result = std::move(other);
+}
+
 /// Of responses as they are; with errors, also where these were assumed.
 Identification identified(const FrequencyResponses& given, const IdentifyOptions& asked,
                           const std::function<void(double)>& progress) {
@@ -408,6 +426,7 @@ Identification identified(const FrequencyResponses& given, const IdentifyOptions
     auto other = fitted(options, search(responses, *narrower, options, progress), assumed);
     if (!other.model.modes.empty()) result = std::move(other);
   }
+  if (given.whole && !asked.from) begin_at_lowest_mode(responses, options, result);
   if (!result.model.modes.empty()) {
     leave_out_above(options, result);
     settle_residuals(options, result);
@@ -423,62 +442,6 @@ Identification identified(const FrequencyResponses& given, const IdentifyOptions
   return result;
 }
 
-/// Where modes leave more than noise, resonances may be wider than the machine's by a window that
-/// the file does not name: then, with its effect, they leave noise alone.
-void test_window(const FrequencyResponses& given, const IdentifyOptions& options,
-                 const std::function<void(double)>& progress, Identification& result) {
-  const auto is_noise = [&](const ModalModel& model, const std::vector<Unexplained>& unexplained) {
-    return unexplained.empty() && model.misfit <= options.largest_misfit;
-  };
-  const auto has_twins = [](const Identification& found) {
-    return std::ranges::any_of(twin_groups(found.modes),
-                               [](const auto& group) { return group.size() > 1; });
-  };
-  if ((is_noise(result.model, result.unexplained) && !has_twins(result)) ||
-      result.model.error < options.window.least_left)
-    return;
-  if (!may_be_windowed(given, options.window)) return;
-  std::optional<Window> found;
-  bool stopped = false;  // by progress
-  const auto watched = [&](double) {
-    stopped = true;
-    if (progress) progress(1.0);
-    stopped = false;
-  };
-  bool clean = false;  // with the window noise alone is left
-  for (const auto window : {Window::hann, Window::rectangular, Window::hamming,
-                            Window::blackman_harris, Window::flat_top}) {
-    try {
-      auto other = identified(with_window(given, window, options.window), options, watched);
-      const bool noise = is_noise(other.model, other.unexplained) && !has_twins(other);
-      if (other.modes.empty() || (clean && !noise) || !widens(other, options) ||
-          !((noise && !clean && found) ||
-            evidence(other, result, options) > options.window.evidence))
-        continue;
-      result = std::move(other);
-      found = window;
-      clean = noise;
-    } catch (const base::ComputationError&) {  // with this window no modes are found
-      if (stopped) throw;
-    }
-  }
-  if (!found) return;
-  // the rate of the taper is none of samples
-  std::erase_if(result.warnings, [](const ModeWarning& warning) {
-    return warning.kind == ModeWarning::Kind::few_samples;
-  });
-  const auto& r = result.responses;
-  result.warnings.insert(result.warnings.begin(),
-                         {.kind = ModeWarning::Kind::window,
-                          .value = static_cast<double>(r.taper.size()) / r.sample_rate,
-                          .from = r.frequency.front(),
-                          .to = r.frequency.back(),
-                          .window = std::string(window_text(*found))});
-  if (clean) return;
-  constexpr double uncertain = 0.4;  // the window may be another one
-  for (auto& mode : result.modes) mode.explained = std::min(mode.explained, uncertain);
-}
-
 }  // namespace
 
 Identification identify_modes(const FrequencyResponses& all, const IdentifyOptions& asked,
@@ -486,7 +449,7 @@ Identification identify_modes(const FrequencyResponses& all, const IdentifyOptio
   const UsableResponses usable(all);
   const auto& given = usable.get();
   auto result = identified(given, asked, progress);
-  test_window(given, asked, progress, result);
+  try_windows(given, asked, identified, progress, result);
   warn_of_twins(asked, result);
   if (!given.has_errors()) remove_errors(result.responses);
   return result;

@@ -122,9 +122,9 @@ struct BandOptions {
   /// Upper end: room · highest pole, half the present end without one, where that is at most
   /// worth · the present end: model orders are spent on modes, not on an empty band.
   double room{1.6}, worth{0.75};
-  int rounds{6};  ///< of narrowing; six with this `worth` leave 0.18 of the band or less
-  /// Of the final fit: fit_room · highest fitted mode. Its flank is still there; what is above is
-  /// left to the residual terms.
+  int rounds{6};      ///< of narrowing; six with this `worth` leave 0.18 of the band or less
+  double below{0.6};  ///< of outputs alone the band begins at this share of the lowest mode
+  /// Of the final fit: fit_room · highest fitted mode, with its flank; the rest is for residuals.
   double fit_room{1.25};
 };
 
