@@ -47,7 +47,7 @@ Json experiment_object(const data::Experiment& experiment);
 Json record_json(const data::RecordSet& record, const data::RecordOverview& overview,
                  bool with_spectra);
 
-/// Lowest and highest sample of each of up to a few thousand stretches of equal length, for a
+/// Lowest and highest sample of each of up to some hundred stretches of equal length, for a
 /// record of any length: stretches grow as samples come.
 class TraceBuilder {
  public:
