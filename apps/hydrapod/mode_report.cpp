@@ -160,7 +160,8 @@ std::string heading(const tasks::Machine& subject, const TableStyle& style) {
                                                 of_payload == 1 ? "coordinate" : "coordinates")
                                   : "";
   const std::string base =
-      of_base > 0 ? fmt::format(" ({} coordinates of the base)", of_base)
+      of_base > 0 ? fmt::format(" ({} {} of the base)", of_base,
+                                of_base == 1 ? "coordinate" : "coordinates")
       : machine.base_mount
           ? " (base and legs have no inertia: the mount is in series with the legs)"
           : "";
