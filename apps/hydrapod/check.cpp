@@ -338,7 +338,10 @@ void run(const Arguments& arguments) {
                            : json_text(report::head_json("check", machine.file, machine.path),
                                        report::check_json(checks, machine.file.machine)));
   if (!arguments.plot.empty())
-    report::plot_capability(checks.front(), machine.file.machine.name, arguments.plot);
+    report::plot_capability(checks.front(),
+                            {.title = machine.file.machine.name,
+                             .subtitle = "machine: " + report::state_text(machine.file)},
+                            arguments.plot);
   if (!report::is_sound(checks, machine.file.machine))
     throw base::ComputationError("the machine is not sound");
 }

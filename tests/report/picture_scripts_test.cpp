@@ -233,6 +233,39 @@ TEST(PicturesOfRootLoci, HaveDampingRaysArrowsAndTheMachineOfToday) {
   EXPECT_THAT(script_of(draw), Not(HasSubstr("$today")));
 }
 
+// The interval of a mode that is hardly determined was 860 %: all others were points on a line.
+TEST(PicturesOfComparisons, OneModeHardlyDeterminedDoesNotSetTheScale) {
+  SideBySide both;
+  both.things.resize(2);
+  both.comparisons.push_back({.thing = 1});
+  for (int k = 0; k < 5; ++k) {
+    both.things[0].modes.push_back({.omega = 100.0});
+    const double deviation = k == 2 ? 400.0 : 1.0;
+    both.comparisons[0].pairs.push_back({.first = k,
+                                         .second = k,
+                                         .frequency = {.value = 2.0, .deviation = deviation},
+                                         .damping = {.value = 0.01, .deviation = 0.002}});
+  }
+  const auto script = script_of([&](const auto& path) { plot_side_by_side(both, path); });
+  const std::string begins = "set yrange [";
+  std::istringstream range(script.substr(script.find(begins) + begins.size()));
+  double low{}, high{};
+  char colon{};
+  range >> low >> colon >> high;  // 2 % with an interval of ± 1.96 %
+  EXPECT_NEAR(low, -0.4, 0.01);
+  EXPECT_NEAR(high, 3.96 + 1.0, 0.1);
+}
+
+TEST(PicturesOfCapability, SayWhichMachineTheyAreOf) {
+  PoseCheck check;
+  check.pose.name = "high";
+  check.capability.emplace();
+  const auto script = script_of([&](const auto& path) {
+    plot_capability(check, {.title = "Rig", .subtitle = "machine: nominal, with a=1"}, path);
+  });
+  EXPECT_THAT(script, AllOf(HasSubstr("'Rig'"), HasSubstr("; machine: nominal, with a=1'")));
+}
+
 TEST(PicturesOfDiagnoses, SayAtWhichPoseAModeWasMeasured) {
   diagnosis::CaseFile file;
   auto& d = file.diagnosis.emplace();

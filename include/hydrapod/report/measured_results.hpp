@@ -252,7 +252,7 @@ std::vector<std::string> calibration_remarks(const calibration::Calibration& res
 /// Target against model per mode, above the misfit of every combination; throws as report's other
 /// pictures do.
 void plot_calibration(const calibration::Calibration& result, const observation::Targets& targets,
-                      const std::string& path);
+                      const PlotText& text, const std::string& path);
 
 /// Heat map: modes downwards, parameters across, colour and number in per cent per per cent.
 void plot_sensitivities(const calibration::Sensitivities& sensitivities, const std::string& title,
