@@ -109,6 +109,9 @@ struct PoseCheck {
 /// Can the machine not stand at the pose: are its legs folded, is there no equilibrium, is the
 /// supply too weak?
 bool is_fatal(PoseWarning::Kind kind);
+/// One text per cause for all poses together: that of the pose where it is worst, with the names of
+/// the others.
+std::vector<std::string> warnings_by_cause(const std::vector<PoseCheck>& poses);
 bool is_sound(const PoseCheck& check);
 
 /// Is the finding of model::unusual_numbers() about a number beyond the range of its key, as a bore
