@@ -1,9 +1,8 @@
 /// --brief and --all: how much of a result a command prints.
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
-#include <fmt/format.h>
 
 #include <algorithm>
 
