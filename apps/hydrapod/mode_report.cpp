@@ -194,8 +194,8 @@ std::string mode_text(const modal::ModeTable& table, const modal::ModeTable* bef
         "combinations along the axes";
   if (any_preload(table))
     all += "\nelastic energy is that of the springs; the compression of the legs reduces the total";
-  if (pairs || any_preload(table)) all += "\n";
-  return all;
+  return all +
+         "\nHz and rad/s: natural frequencies |λ| of the damped modes, as they are measured\n";
 }
 
 std::string mode_csv(const modal::ModeTable& table) {
