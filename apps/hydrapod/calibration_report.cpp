@@ -94,9 +94,15 @@ std::string targets_text(const Candidate& best, const Targets& targets, const Ta
   return bold("Targets", style) + "\n" + table.text(style) + frequencies_text(targets);
 }
 
-/// As the machine file writes the number; in SI where it does not.
+/// As the machine file writes the number, of one leg as that of all legs where it writes none of
+/// this leg; else in SI.
 model::WrittenUnit unit_of(const FittedParameter& p, const std::string& machine_text) {
-  auto unit = model::written_unit(machine_text, p.paths.front(), p.unit);
+  const std::string& path = p.paths.front();
+  auto unit = model::written_unit(machine_text, path, p.unit);
+  constexpr std::string_view of_one_leg = "leg.";
+  if (unit.name.empty() && path.starts_with(of_one_leg))
+    if (const auto rest = path.find('.', of_one_leg.size()); rest != std::string::npos)
+      unit = model::written_unit(machine_text, "legs" + path.substr(rest), p.unit);
   if (unit.name.empty() && p.unit != "1") unit.name = p.unit;
   return unit;
 }
