@@ -106,8 +106,13 @@ void run(const Arguments& arguments) {
                              calibration_text(found.result, found.targets, found.profiles,
                                               machine.file.text, table_style("-"))
                        : calibration_json(machine, found));
-  draw(arguments.plot,
-       [&](const auto& path) { report::plot_calibration(found.result, found.targets, path); });
+  draw(arguments.plot, [&](const auto& path) {
+    report::plot_calibration(
+        found.result, found.targets,
+        {.title = machine.file.machine.name + ": " + found.targets.title,
+         .subtitle = "machine: " + report::state_text(machine.file) + "; fitted"},
+        path);
+  });
   const auto& best = found.result.best();
   if (arguments.output.empty())
     calibration::require_possible_targets(best, found.targets);

@@ -53,6 +53,15 @@ std::string combinations_text(const Calibration& result, const TableStyle& style
   return bold("Combinations, best first", style) + "\n" + text + "\n";
 }
 
+/// Of which modes the frequencies are.
+std::string frequencies_text(const Targets& targets) {
+  const auto damped = std::ranges::count_if(targets.modes, &ModeTarget::damped);
+  if (damped == std::ssize(targets.modes)) return "Hz: |λ| of damped modes\n";
+  if (damped == 0) return "Hz: of undamped modes\n";
+  return fmt::format("Hz: |λ| of damped modes in {} targets, of undamped modes in {}\n", damped,
+                     std::ssize(targets.modes) - damped);
+}
+
 std::string targets_text(const Candidate& best, const Targets& targets, const TableStyle& style) {
   const bool damping = std::any_of(targets.modes.begin(), targets.modes.end(),
                                    [](const ModeTarget& t) { return t.damping.has_value(); });
@@ -82,12 +91,18 @@ std::string targets_text(const Candidate& best, const Targets& targets, const Ta
     row.push_back(fit.outlier ? "outlier, left out" : "");
     table.add_row(row);
   }
-  return bold("Targets", style) + "\n" + table.text(style);
+  return bold("Targets", style) + "\n" + table.text(style) + frequencies_text(targets);
 }
 
-/// As the machine file writes the number; in SI where it does not.
+/// As the machine file writes the number, of one leg as that of all legs where it writes none of
+/// this leg; else in SI.
 model::WrittenUnit unit_of(const FittedParameter& p, const std::string& machine_text) {
-  auto unit = model::written_unit(machine_text, p.paths.front(), p.unit);
+  const std::string& path = p.paths.front();
+  auto unit = model::written_unit(machine_text, path, p.unit);
+  constexpr std::string_view of_one_leg = "leg.";
+  if (unit.name.empty() && path.starts_with(of_one_leg))
+    if (const auto rest = path.find('.', of_one_leg.size()); rest != std::string::npos)
+      unit = model::written_unit(machine_text, "legs" + path.substr(rest), p.unit);
   if (unit.name.empty() && p.unit != "1") unit.name = p.unit;
   return unit;
 }

@@ -277,14 +277,24 @@ std::string details_text(const model::Machine& machine, const report::PoseCheck&
   return text;
 }
 
+std::string warning_line(const std::string& text, const TableStyle& style) {
+  return fmt::format("{} {}\n", styled("warning:", Style::yellow, style.colour), text);
+}
+
 std::string pose_text(const model::Machine& machine, const report::PoseCheck& check,
                       const TableStyle& style) {
   std::string text = bold("Pose " + check.pose.name, style) + "\n";
-  if (!style.brief) text += details_text(machine, check, style);
+  text += details_text(machine, check, style);
   for (const auto& warning : check.warnings)
-    text += fmt::format("{} {}\n", styled("warning:", Style::yellow, style.colour),
-                        report::warning_text(warning));
+    text += warning_line(report::warning_text(warning), style);
   return text;
+}
+
+/// One line per cause, however many poses it concerns.
+std::string brief_text(const std::vector<report::PoseCheck>& checks, const TableStyle& style) {
+  std::string text;
+  for (const auto& cause : report::warnings_by_cause(checks)) text += warning_line(cause, style);
+  return text.empty() ? text : "\n" + text;
 }
 
 /// What simulation takes where the file says nothing.
@@ -312,7 +322,10 @@ std::string table_text(const model::MachineFile& file, const std::vector<report:
   text += fmt::format("damping: {}\n", report::damping_text(machine));
   if (type == model::LegType::cylinder)
     text += fmt::format("  with hydraulics: {}\n", report::plant_damping_text(machine));
-  for (const auto& check : checks) text += "\n" + pose_text(machine, check, style);
+  if (style.brief)
+    text += brief_text(checks, style);
+  else
+    for (const auto& check : checks) text += "\n" + pose_text(machine, check, style);
   text += style.detail(assumptions_text(machine, style));
   const auto verdict = report::verdict_text(checks, machine);
   const bool sound = report::is_sound(checks, machine);
@@ -338,7 +351,10 @@ void run(const Arguments& arguments) {
                            : json_text(report::head_json("check", machine.file, machine.path),
                                        report::check_json(checks, machine.file.machine)));
   if (!arguments.plot.empty())
-    report::plot_capability(checks.front(), machine.file.machine.name, arguments.plot);
+    report::plot_capability(checks.front(),
+                            {.title = machine.file.machine.name,
+                             .subtitle = "machine: " + report::state_text(machine.file)},
+                            arguments.plot);
   if (!report::is_sound(checks, machine.file.machine))
     throw base::ComputationError("the machine is not sound");
 }

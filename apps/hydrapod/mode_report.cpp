@@ -160,7 +160,8 @@ std::string heading(const tasks::Machine& subject, const TableStyle& style) {
                                                 of_payload == 1 ? "coordinate" : "coordinates")
                                   : "";
   const std::string base =
-      of_base > 0 ? fmt::format(" ({} coordinates of the base)", of_base)
+      of_base > 0 ? fmt::format(" ({} {} of the base)", of_base,
+                                of_base == 1 ? "coordinate" : "coordinates")
       : machine.base_mount
           ? " (base and legs have no inertia: the mount is in series with the legs)"
           : "";
@@ -193,8 +194,8 @@ std::string mode_text(const modal::ModeTable& table, const modal::ModeTable* bef
         "combinations along the axes";
   if (any_preload(table))
     all += "\nelastic energy is that of the springs; the compression of the legs reduces the total";
-  if (pairs || any_preload(table)) all += "\n";
-  return all;
+  return all +
+         "\nHz and rad/s: natural frequencies |λ| of the damped modes, as they are measured\n";
 }
 
 std::string mode_csv(const modal::ModeTable& table) {

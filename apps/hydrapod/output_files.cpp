@@ -261,8 +261,9 @@ void write_output(const std::string& path, const std::string& text) {
 
 void write_result(const std::string& path, std::size_t format, const std::string& text) {
   const bool is_table_in_a_file = format == 0 && path != "-";
-  write_output(
-      path, is_table_in_a_file ? fmt::format("{}\nwritten by {}\n", text, program_text()) : text);
+  write_output(path, is_table_in_a_file ? fmt::format("{}\n{}\nwritten by {}\n", text,
+                                                      reproduction_text(), program_text())
+                                        : text);
 }
 
 }  // namespace hydrapod::cli

@@ -55,7 +55,8 @@ void require_ending(const std::string& option, const std::string& output,
 void write_output(const std::string& path, const std::string& text);
 
 /// The same of a result in the format that result_format() chose. A table (0) in a file ends with
-/// the line "written by hydrapod …", by which a later run knows that it may replace it.
+/// the command and the checksums of what was read, and with the line "written by hydrapod …", by
+/// which a later run knows that it may replace it.
 void write_result(const std::string& path, std::size_t format, const std::string& text);
 
 }  // namespace hydrapod::cli

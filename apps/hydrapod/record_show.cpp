@@ -5,6 +5,7 @@
 #include "hydrapod/data/processing.hpp"
 #include "hydrapod/record_arguments.hpp"
 #include "hydrapod/report/measured_results.hpp"
+#include "hydrapod/reproduction.hpp"
 
 namespace hydrapod::cli {
 
@@ -16,23 +17,6 @@ struct Arguments {
   bool spectra{};
   std::string file{"-"};
 };
-
-/// The command as a shell takes it: "hydrapod rig 'my machine.toml' -o run.h5".
-std::string shell_text(const std::vector<std::string>& arguments) {
-  constexpr std::string_view plain =
-      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./=:,+%@-";
-  std::string text = "hydrapod";
-  for (const auto& argument : arguments) {
-    if (!argument.empty() && argument.find_first_not_of(plain) == std::string::npos) {
-      text += " " + argument;
-      continue;
-    }
-    text += " '";
-    for (const char c : argument) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    text += "'";
-  }
-  return text;
-}
 
 /// How the record was made, a line per statement.
 std::string experiment_text(const data::Experiment& e) {

@@ -110,6 +110,29 @@ report::Json reproduction() {
   return json;
 }
 
+std::string shell_text(const std::vector<std::string>& arguments) {
+  constexpr std::string_view plain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./=:,+%@-";
+  std::string text = "hydrapod";
+  for (const auto& argument : arguments) {
+    if (!argument.empty() && argument.find_first_not_of(plain) == std::string::npos) {
+      text += " " + argument;
+      continue;
+    }
+    text += " '";
+    for (const char c : argument) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    text += "'";
+  }
+  return text;
+}
+
+std::string reproduction_text() {
+  std::string text = fmt::format("made on {} by: {}\n", date_text(), shell_text(whole));
+  for (const auto& [path, sum] : record_origin().inputs)
+    text += fmt::format("read {}: sha256 {}\n", path, sum);
+  return text;
+}
+
 std::string sha256_of_file(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) base::refuse(path, "cannot be read");

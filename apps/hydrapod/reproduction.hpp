@@ -29,6 +29,12 @@ void note_input(const std::string& option, const std::string& path);
 /// command ran.
 report::Json reproduction();
 
+/// The same in lines of text, for tables in files.
+std::string reproduction_text();
+
+/// A command as a shell takes it: "hydrapod rig 'my machine.toml' -o run.h5".
+std::string shell_text(const std::vector<std::string>& arguments);
+
 /// SHA-256 of a file's bytes in hexadecimal digits. Throws base::InputError where it cannot be
 /// read.
 std::string sha256_of_file(const std::string& path);

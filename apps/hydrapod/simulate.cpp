@@ -106,13 +106,15 @@ std::string leg_table(const report::Simulation& s, const TableStyle& style) {
     const auto& r = s.summary;
     const auto& stops = s.stops[i];
     const double used = (r.piston_high[i] - r.piston_low[i]) / (stops.high - stops.low);
+    const bool ends = std::isfinite(stops.low) && std::isfinite(stops.high);
+    const auto left = [&](double way) { return ends ? fmt::format("{:.1f}", 1e3 * way) : "–"; };
     const double limited = static_cast<double>(r.limited[i]) / static_cast<double>(r.samples);
     std::vector<std::string> row{std::to_string(i + 1),
                                  fmt::format("{:.2f}", 1e3 * r.piston_low[i]),
                                  fmt::format("{:.2f}", 1e3 * r.piston_high[i]),
-                                 fmt::format("{:.2g} %", 100.0 * used),
-                                 fmt::format("{:.1f}", 1e3 * (r.piston_low[i] - stops.low)),
-                                 fmt::format("{:.1f}", 1e3 * (stops.high - r.piston_high[i])),
+                                 ends ? fmt::format("{:.2g} %", 100.0 * used) : "–",
+                                 left(r.piston_low[i] - stops.low),
+                                 left(stops.high - r.piston_high[i]),
                                  fmt::format("{:.3g}", 1e3 * r.peak_speed[i])};
     if (drives) {
       row.push_back(fmt::format("{:.3g} %", 100.0 * r.peak_drive[i]));

@@ -356,7 +356,7 @@ constexpr ParameterRow leg_rows[]{
     table("legs.oil_spring.cylinder.air", optional,
           "air carried in the oil as bubbles; without the table there is none"),
     number<oil, cylinder, &Cylinder::air, &EntrainedAir::fraction>(
-        "legs.oil_spring.cylinder.air.fraction", "1", required, below_one,
+        "legs.oil_spring.cylinder.air.fraction", "1", required, usual(0.0, 0.25, below_one),
         "share of the volume at atmospheric pressure, 0 or more and less than 1", shown("1 %")),
     number<oil, cylinder, &Cylinder::air, &EntrainedAir::pressure>(
         "legs.oil_spring.cylinder.air.pressure", "Pa", required, usual(1e4, 1e8, positive),

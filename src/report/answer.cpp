@@ -58,10 +58,11 @@ std::string share_text(const modal::ModeTable& table, int k) {
 }
 
 /// The platform may rest in the mode in which the legs buckle.
-bool is_stable(const modal::ModeTable& table) {
-  return std::all_of(table.real.modes.begin(), table.real.modes.end(),
-                     [](const modal::TabledMode& entry) { return entry.mode.stable; });
+bool is_stable(const std::vector<modal::TabledMode>& modes) {
+  return std::ranges::all_of(modes, [](const auto& entry) { return entry.mode.stable; });
 }
+
+bool is_stable(const modal::ModeTable& table) { return is_stable(table.real.modes); }
 
 }  // namespace
 
@@ -107,8 +108,13 @@ std::string axial_energy_text(const model::Machine& machine) {
 
 std::string answer_text(const modal::ModeTable& table) {
   if (!is_stable(table))
-    return "The machine is unstable at this pose: the legs buckle. `hydrapod check` computes the "
-           "buckling load.\n";
+    return table.rigid.modes.empty() || is_stable(table.rigid.modes)
+               ? "The machine is unstable at this pose: the legs buckle. `hydrapod check` computes "
+                 "the buckling load.\n"
+               : "The machine is unstable at this pose, also in the rigid-leg model: what holds "
+                 "the "
+                 "legs along their axes is too soft for the load. `hydrapod check` states the "
+                 "cause.\n";
   const int k = modal::lowest_platform_mode(table.real.modes);
   if (k < 0) return {};
   const auto& entry = table.real.modes[k];

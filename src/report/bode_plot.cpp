@@ -104,9 +104,12 @@ std::string entry_plots(const Bode& bode, const Entry& entry, size_t index, cons
   text += at_screen(cells.phase);
   text +=
       "set format x '%g'\nset xlabel 'Hz' offset 0,0.6\nset ylabel 'phase °' offset 1.2,0\nset "
-      "ytics 90\n";
-  text += fmt::format("plot $bode using 1:{} with lines {}, $bode using 1:{} with lines {}\n",
-                      first + 3, rigid_style, first + 1, real_style);
+      "ytics 90\nset autoscale yfix\nset offsets 0,0,10,10\n";  // curves along the frame are not
+                                                                // seen
+  text += fmt::format(
+      "plot $bode using 1:{} with lines {}, $bode using 1:{} with lines {}\n"
+      "unset offsets\nset autoscale y\n",
+      first + 3, rigid_style, first + 1, real_style);
   return text;
 }
 

@@ -6,6 +6,7 @@
 #include "gnuplot.hpp"
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/report/measured_results.hpp"
+#include "hydrapod/report/model_results.hpp"
 
 namespace hydrapod::report {
 
@@ -29,10 +30,10 @@ std::string short_name(std::string path) {
 std::string target_rows(const Candidate& best, const Targets& targets) {
   std::string text;
   for (std::size_t i = 0; i < best.targets.size(); ++i)
-    text +=
-        fmt::format("{} {:.9g} {:.9g} {:.9g} {}\n", i + 1, targets.modes[i].omega / two_pi,
-                    best.targets[i].omega / two_pi, best.targets[i].omega - targets.modes[i].omega,
-                    best.targets[i].outlier ? 1 : 0);
+    text += fmt::format("{} {:.9g} {:.9g} {:.9g} {}\n", i + 1, targets.modes[i].omega / two_pi,
+                        best.targets[i].omega / two_pi,
+                        (best.targets[i].omega - targets.modes[i].omega) / two_pi,
+                        best.targets[i].outlier ? 1 : 0);
   return block_of("targets", text);
 }
 
@@ -47,17 +48,20 @@ std::string panel_at(const Heights& h, double top, double bottom) {
 }
 
 /// Frequencies above, differences below.
-std::string target_panels(const Candidate& best, const Targets& targets, const Heights& heights) {
+std::string target_panels(const Candidate& best, const Targets& targets, const PlotText& text,
+                          const Heights& heights) {
   std::string s = target_rows(best, targets);
   s += std::string("set grid ytics back lt 1 lc rgb '#d0d0d0' lw 0.5\n") + thin_axes;
   s += fmt::format("set xrange [0.4:{}.6]\nset xtics 1\n", best.targets.size());
-  s += panel_at(heights, 0.08, 0.52) + fmt::format("set title {}\n", quoted(targets.title));
-  s += "set ylabel 'Hz'\nset key top right\nset format x ''\n";
+  const auto height = static_cast<int>(heights.all);
+  s += panel_at(heights, 0.14, 0.54) + titles(text.title, text.subtitle, height) +
+       key_below_titles(height);
+  s += "set ylabel 'Hz'\nset format x ''\n";
   s += "plot $targets using 1:2 with points pt 6 ps 1.6 lw 2 lc rgb '#d55e00' title 'target', "
        "$targets using 1:3 with points pt 7 ps 0.7 lc rgb '#0072b2' title 'model'\n";
-  s += panel_at(heights, 0.56, 0.93);
-  s += "unset title\nunset key\nset format x '%g'\nset xlabel 'target' offset 0,0.5\n";
-  s += "set ylabel 'model − target, rad/s'\nset xzeroaxis lt 1 lc rgb '#888888'\n";
+  s += panel_at(heights, 0.58, 0.93);
+  s += "unset label\nunset key\nset format x '%g'\nset xlabel 'target' offset 0,0.5\n";
+  s += "set ylabel 'model − target, Hz'\nset xzeroaxis lt 1 lc rgb '#888888'\n";
   return s + "plot $targets using 1:4 with impulses lw 4 lc rgb '#0072b2'\n";
 }
 
@@ -83,11 +87,12 @@ std::string combination_panel(const Calibration& result, const Heights& heights)
 
 }  // namespace
 
-void plot_calibration(const Calibration& result, const Targets& targets, const std::string& path) {
+void plot_calibration(const Calibration& result, const Targets& targets, const PlotText& text,
+                      const std::string& path) {
   const bool several = result.candidates.size() > 1;
   Heights heights;
   if (several) heights.all += 60.0 + 26.0 * static_cast<double>(result.candidates.size());
-  std::string s = "set multiplot\n" + target_panels(result.best(), targets, heights);
+  std::string s = "set multiplot\n" + target_panels(result.best(), targets, text, heights);
   if (several) s += combination_panel(result, heights);
   draw(path, 1000, static_cast<int>(heights.all), s + "unset multiplot\n");
 }

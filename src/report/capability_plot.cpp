@@ -182,16 +182,16 @@ std::string why_none(const PoseCheck& check) {
 
 }  // namespace
 
-void plot_capability(const PoseCheck& check, const std::string& title, const std::string& path) {
+void plot_capability(const PoseCheck& check, const PlotText& text, const std::string& path) {
   if (!check.capability)
     throw base::ComputationError(fmt::format("pose {}: no picture of what the machine can do: {}",
                                              check.pose.name, why_none(check)));
   const CellGrid grid(simulation::ability_count + 1);
   const std::string heading =
-      titles(title,
+      titles(text.title,
              fmt::format("pose {}, from rest, one direction at a time; bars are shares of the "
-                         "longest of three directions",
-                         check.pose.name),
+                         "longest of three directions; {}",
+                         check.pose.name, text.subtitle),
              grid.height());
   std::vector<std::string> names(direction_names.rbegin(), direction_names.rend());
   std::string body = "set multiplot\nset xrange [-1.95:1.95]\nset yrange [0.4:6.6]\nunset key\n" +

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "fields.hpp"
 #include "hydrapod/hydraulics/servo_axis.hpp"
@@ -118,6 +119,32 @@ std::string numbers_text(std::string_view what, const std::vector<std::string>& 
   return text;
 }
 
+/// Poses named in a sentence.
+constexpr std::size_t most_named = 6;
+
+std::string first_names(const std::vector<std::string>& names) {
+  return fmt::format("{}", fmt::join(names.begin(), names.begin() + most_named, ", "));
+}
+
+/// Of two warnings of a kind.
+bool is_worse(const PoseWarning& one, const PoseWarning& other) {
+  using Kind = PoseWarning::Kind;
+  switch (one.kind) {
+    case Kind::near_buckling:
+    case Kind::little_stroke:
+    case Kind::short_guide:
+    case Kind::little_reserve:
+      return one.value < other.value;
+    case Kind::slender_rod:
+    case Kind::slender_screw:
+      return one.ratio < other.ratio;
+    case Kind::weak_pump:
+      return one.ratio > other.ratio;
+    default:
+      return one.value > other.value;
+  }
+}
+
 /// Of the pose at which the valves leak most; null where the pump covers the leakage at all.
 const PoseWarning* weakest_pump(const std::vector<PoseCheck>& poses) {
   const PoseWarning* weakest = nullptr;
@@ -143,6 +170,39 @@ NumbersToSay numbers_to_say(const model::Machine& machine) {
 
 }  // namespace
 
+std::vector<std::string> warnings_by_cause(const std::vector<PoseCheck>& poses) {
+  struct Cause {
+    const PoseWarning* worst;
+    std::string pose;                 ///< where it is worst
+    std::vector<std::string> others;  ///< poses
+  };
+  std::vector<Cause> causes;
+  for (const auto& check : poses)
+    for (const auto& warning : check.warnings) {
+      const auto cause = std::ranges::find_if(
+          causes, [&](const auto& known) { return known.worst->kind == warning.kind; });
+      if (cause == causes.end()) {
+        causes.push_back({&warning, check.pose.name, {}});
+      } else if (is_worse(warning, *cause->worst)) {
+        cause->others.push_back(std::exchange(cause->pose, check.pose.name));
+        cause->worst = &warning;
+      } else {
+        cause->others.push_back(check.pose.name);
+      }
+    }
+  std::vector<std::string> texts;
+  for (const auto& cause : causes) {
+    const auto& others = cause.others;
+    texts.push_back(
+        warning_text(*cause.worst) + " (pose " + cause.pose +
+        (others.empty() ? ")"
+         : others.size() > most_named
+             ? fmt::format("; also at {} others: {}, …)", others.size(), first_names(others))
+             : fmt::format("; also {})", fmt::join(others, ", "))));
+  }
+  return texts;
+}
+
 bool is_implausible(const model::Machine& machine, const model::Finding& finding) {
   const auto id = model::find_parameter(machine, finding.key);
   if (!id || model::row_of(*id).kind == model::Kind::tensor) return false;
@@ -167,6 +227,9 @@ std::string verdict_text(const std::vector<PoseCheck>& poses, const model::Machi
     if (names.empty()) return;
     const bool all = names.size() == poses.size() && names.size() > 1;
     reasons.push_back(all ? fmt::format("{} at all {} poses", what, names.size())
+                      : names.size() > most_named
+                          ? fmt::format("{} at {} of {} poses: {}, …", what, names.size(),
+                                        poses.size(), first_names(names))
                           : fmt::format("{} at pose{} {}", what, names.size() > 1 ? "s" : "",
                                         fmt::join(names, ", ")));
   };

@@ -54,7 +54,7 @@ std::string pose_marks(const Diagnosis& d, std::size_t first) {
   return s;
 }
 
-std::string measured_panel(const Diagnosis& d, const Layout& layout) {
+std::string measured_panel(const Diagnosis& d, const std::string& machine, const Layout& layout) {
   std::string s = "$m << END\n";
   const bool several =
       std::ranges::any_of(d.modes, [&](const auto& m) { return m.pose != d.modes.front().pose; });
@@ -74,7 +74,9 @@ std::string measured_panel(const Diagnosis& d, const Layout& layout) {
   s += "END\n" + labels;
   s += fmt::format("set xrange [0.4:{}.6]\nset grid ytics back lt 1 lc rgb '#d0d0d0' lw 0.5\n", k);
   s += place(layout, panel_top, (several ? 0.84 : 0.88) * panel, 0.09);
-  s += "set title 'Measured, rigid-leg model, best hypothesis' offset 0,1\nset ylabel 'Hz'\n";
+  s += fmt::format("set title {} offset 0,1\nset ylabel 'Hz'\n",
+                   quoted((machine.empty() ? "Measured" : machine + ": measured") +
+                          ", rigid-leg model, best hypothesis"));
   double low = d.modes.front().omega, high = low;
   for (const auto& mode : d.modes) {
     low = std::min({low, mode.omega, mode.omega_best});
@@ -198,7 +200,7 @@ void plot_diagnosis(const CaseFile& file, const std::string& path) {
   if (file.remedy) layout.curve = panel;
   if (layout.all() == 0.0) layout.curve = panel;
   std::string s = std::string(thin_axes) + "set multiplot\n";
-  if (layout.measured > 0.0) s += measured_panel(*file.diagnosis, layout);
+  if (layout.measured > 0.0) s += measured_panel(*file.diagnosis, file.machine.name, layout);
   if (layout.ranking > 0.0) s += ranking_panel(*file.diagnosis, layout);
   if (file.remedy) s += curve_panel(file, layout);
   draw(path, 1000, static_cast<int>(layout.all()), s + "unset multiplot\n");

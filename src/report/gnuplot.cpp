@@ -18,6 +18,9 @@ namespace hydrapod::report {
 
 namespace {
 
+/// Told apart by the colour-blind as well (Okabe & Ito).
+constexpr std::array colours{"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"};
+
 /// As a word of the shell.
 std::string shell_word(const std::string& text) {
   std::string out = "'";
@@ -97,7 +100,8 @@ void draw(const std::string& path, int width, int height, const Script& script) 
   const auto file = folder.path / "plot.gp";
   base::write_file_whole(file.string(), script(terminal, picture.string()));
   run_gnuplot(file, folder.path / "log");
-  base::write_file_whole(path, file_text(picture));
+  const std::string drawn = file_text(picture);
+  base::write_file_whole(path, path.ends_with(".svg") ? joined_cells(drawn) : drawn);
 }
 
 void draw(const std::string& path, int width, int height, const std::string& body) {
@@ -107,9 +111,12 @@ void draw(const std::string& path, int width, int height, const std::string& bod
 }
 
 std::string opened(const std::string& terminal, const std::string& file) {
-  return fmt::format(
-      "set terminal {}\nset output {}\nset encoding utf8\nset termoption noenhanced\n", terminal,
-      quoted(file));
+  std::string text =
+      fmt::format("set terminal {}\nset output {}\nset encoding utf8\nset termoption noenhanced\n",
+                  terminal, quoted(file));
+  for (std::size_t k = 0; k < colours.size(); ++k)
+    text += fmt::format("set linetype {} lc rgb '{}'\n", k + 1, colours[k]);
+  return text;
 }
 
 std::string titles(const std::string& title, const std::string& subtitle, int height) {
@@ -193,6 +200,23 @@ std::string logarithmic_frequencies(double from, double to) {
                      fmt::join(ticks, ", "));
 }
 
+std::vector<std::size_t> stretches_of(const std::vector<double>& at, bool logarithmic, int most) {
+  std::vector<std::size_t> begins;
+  if (at.empty()) return {0};
+  const auto place = [&](double value) { return logarithmic ? std::log(value) : value; };
+  const double from = place(at.front()), span = place(at.back()) - from;
+  int last = -1;
+  for (std::size_t k = 0; k < at.size(); ++k) {
+    const double share = span > 0.0 ? (place(at[k]) - from) / span : 0.0;
+    const int stretch = std::min(static_cast<int>(share * most), most - 1);
+    if (stretch == last) continue;
+    begins.push_back(k);
+    last = stretch;
+  }
+  begins.push_back(at.size());
+  return begins;
+}
+
 std::string block_of(const std::string& name, const std::string& rows) {
   return fmt::format("${} << END\n{}END\n", name, rows);
 }
@@ -214,7 +238,6 @@ std::string named_tics(char axis, const std::vector<std::string>& names, int fir
 
 std::string six_lines(const char* name, int first, int step, double width,
                       const std::array<std::string, 6>& names) {
-  constexpr std::array colours{"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"};
   std::vector<std::string> lines;
   for (std::size_t i = 0; i < names.size(); ++i)
     lines.push_back(fmt::format("${} using 1:{} with lines lw {} lc rgb '{}' title '{}'", name,

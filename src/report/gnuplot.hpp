@@ -5,6 +5,7 @@
 #include <array>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace hydrapod::report {
@@ -59,6 +60,15 @@ struct CellGrid {
 /// A logarithmic axis x over frequencies `from` … `to` [Hz] with four labels or more: 1, 2, 5 times
 /// powers of ten, the powers alone in a wide band, numbers closer together in a narrow one.
 std::string logarithmic_frequencies(double from, double to);
+
+/// Numbers of the values of `at`, which ascend, at which stretches of an axis begin, and the number
+/// of values at the end: at most `most` stretches, equally wide on a linear or logarithmic axis.
+/// Curves with more lines than pixels look the same with the extremes of each stretch alone.
+std::vector<std::size_t> stretches_of(const std::vector<double>& at, bool logarithmic, int most);
+
+/// An SVG of gnuplot in which the rectangles of a heat map, one polygon each, are one path per
+/// colour, those side by side in one: a tenth of the size, and no seams between cells.
+std::string joined_cells(std::string_view svg);
 
 /// The data `$name`; every line of `rows` has its end.
 std::string block_of(const std::string& name, const std::string& rows);

@@ -48,37 +48,93 @@ std::string shown_of(const FrequencyResponses& r, std::size_t shown) {
   return shown == all ? "" : fmt::format("; shown: {} of {} responses", shown, all);
 }
 
+/// Does any output follow the inputs about line `k`? Of K averages noise alone has a coherence of
+/// p/K for p inputs.
+bool is_coherent(const FrequencyResponses& r, std::size_t k) {
+  constexpr std::size_t to_each_side = 2;
+  const std::size_t from = k - std::min(k, to_each_side);
+  const std::size_t end = std::min(r.lines(), k + to_each_side + 1);
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(r.multiple_coherence[k].size());
+  for (std::size_t j = from; j < end; ++j) sum += r.multiple_coherence[j];
+  const double of_noise = static_cast<double>(r.inputs.size()) / r.averages;
+  return sum.maxCoeff() >= 0.5 * (1.0 + of_noise) * static_cast<double>(end - from);
+}
+
+/// Lines that a picture shows: noise alone would fill the rest of a logarithmic axis.
+std::size_t lines_shown(const FrequencyResponses& r) {
+  constexpr double room = 1.25;
+  if (r.multiple_coherence.size() != r.lines() ||
+      r.averages <= static_cast<double>(r.inputs.size()))
+    return r.lines();
+  std::size_t last = r.lines();
+  while (last > 0 && !is_coherent(r, last - 1)) --last;
+  if (last == 0) return r.lines();
+  const double to = room * r.frequency[last - 1];
+  const auto end = std::ranges::upper_bound(r.frequency, to);
+  return static_cast<std::size_t>(end - r.frequency.begin());
+}
+
+std::string shown_lines_text(const FrequencyResponses& r, std::size_t lines) {
+  return lines == r.lines()
+             ? ""
+             : fmt::format("; beyond {:.3g} Hz there is noise alone", r.frequency[lines - 1]);
+}
+
+/// Frequencies far apart have a logarithmic axis.
+bool is_wide(const FrequencyResponses& r, std::size_t lines) {
+  constexpr double wide = 20.0;
+  return r.frequency.front() > 0.0 && r.frequency[lines - 1] > wide * r.frequency.front();
+}
+
+std::string values_of(const FrequencyResponses& r, const identification::ModalModel* model,
+                      const Pair& pair, std::size_t k, double radius) {
+  const auto [o, i] = pair;
+  const auto h = r.H[k](o, i);
+  const double band = r.has_errors() ? radius * std::sqrt(r.variance(k, o, i)) : 0.0;
+  std::string text = fmt::format(" {:.4f} {:.4f} {:.4f} {:.3f}", level_db(std::abs(h)),
+                                 level_db(std::max(std::abs(h) - band, 0.1 * std::abs(h))),
+                                 level_db(std::abs(h) + band), std::arg(h) * degree);
+  if (model == nullptr) return text + " NaN NaN";
+  const auto fit = identification::synthesised(*model, r.frequency[k], r.shift)(o, i);
+  return text + fmt::format(" {:.4f} {:.3f}", level_db(std::abs(fit)), std::arg(fit) * degree);
+}
+
+/// Of lines that share a pixel the lowest and the highest of each entry, in their order: the curve
+/// looks the same, and a picture of a long record stays small.
 std::string data_block(const FrequencyResponses& r, const identification::ModalModel* model,
-                       const std::vector<Pair>& pairs) {
+                       const std::vector<Pair>& pairs, std::size_t shown) {
+  constexpr int most_stretches = 400;  // a panel is 340 pixels wide
   const double radius = identification::confidence_radius(0.95, r.degrees);
+  const std::vector<double> frequency(r.frequency.begin(),
+                                      r.frequency.begin() + static_cast<Index>(shown));
+  const auto begins = stretches_of(frequency, is_wide(r, shown), most_stretches);
   std::string text;
-  for (std::size_t k = 0; k < r.lines(); ++k) {
-    text += fmt::format("{:.9g}", r.frequency[k]);
-    const Eigen::MatrixXcd fit = model != nullptr
-                                     ? identification::synthesised(*model, r.frequency[k], r.shift)
-                                     : Eigen::MatrixXcd();
-    for (const auto& [o, i] : pairs) {
-      const auto h = r.H[k](o, i);
-      const double band = r.has_errors() ? radius * std::sqrt(r.variance(k, o, i)) : 0.0;
-      text += fmt::format(" {:.4f} {:.4f} {:.4f} {:.3f}", level_db(std::abs(h)),
-                          level_db(std::max(std::abs(h) - band, 0.1 * std::abs(h))),
-                          level_db(std::abs(h) + band), std::arg(h) * degree);
-      text += model != nullptr ? fmt::format(" {:.4f} {:.3f}", level_db(std::abs(fit(o, i))),
-                                             std::arg(fit(o, i)) * degree)
-                               : std::string(" NaN NaN");
+  for (std::size_t s = 0; s + 1 < begins.size(); ++s) {
+    const std::size_t first = begins[s], end = begins[s + 1];
+    const std::size_t rows = std::min<std::size_t>(2, end - first);
+    std::vector<std::string> lines{fmt::format("{:.9g}", r.frequency[first]),
+                                   fmt::format("{:.9g}", r.frequency[end - 1])};
+    for (const auto& pair : pairs) {
+      std::size_t least = first, most = first;
+      const auto level = [&](std::size_t k) { return std::abs(r.H[k](pair.output, pair.input)); };
+      for (std::size_t k = first; k < end; ++k) {
+        if (level(k) < level(least)) least = k;
+        if (level(k) >= level(most)) most = k;
+      }
+      const std::array at{std::min(least, most), std::max(least, most)};
+      for (std::size_t row = 0; row < rows; ++row)
+        lines[row] += values_of(r, model, pair, at[row], radius);
     }
-    text += '\n';
+    for (std::size_t row = 0; row < rows; ++row) text += lines[row] + '\n';
   }
   return block_of("frf", text);
 }
 
-/// Over all of the frequencies, logarithmic where they are far apart.
-std::string frequency_axis(const FrequencyResponses& r) {
-  constexpr double wide = 20.0;
-  const double from = r.frequency.front(), to = r.frequency.back();
-  return thin_grid + (to > wide * from && from > 0.0
-                          ? logarithmic_frequencies(from, to)
-                          : fmt::format("set xrange [{:.9g}:{:.9g}]\n", from, to));
+/// Over the first `lines`, logarithmic where they are far apart.
+std::string frequency_axis(const FrequencyResponses& r, std::size_t lines) {
+  const double from = r.frequency.front(), to = r.frequency[lines - 1];
+  return thin_grid + (is_wide(r, lines) ? logarithmic_frequencies(from, to)
+                                        : fmt::format("set xrange [{:.9g}:{:.9g}]\n", from, to));
 }
 
 /// Magnitude above phase of one entry.
@@ -124,10 +180,12 @@ void require_picture(const std::string& path) { require_picture_ending(path); }
 void plot_responses(const FrequencyResponses& r, const identification::ModalModel* model,
                     const PlotText& text, const std::string& path) {
   const auto pairs = shown_pairs(r);
+  const auto lines = lines_shown(r);
   const CellGrid cells(pairs.size());
   std::string script =
-      titles(text.title, text.subtitle + shown_of(r, pairs.size()), cells.height()) + thin_axes +
-      data_block(r, model, pairs) + "set multiplot\n" + frequency_axis(r);
+      titles(text.title, text.subtitle + shown_of(r, pairs.size()) + shown_lines_text(r, lines),
+             cells.height()) +
+      thin_axes + data_block(r, model, pairs, lines) + "set multiplot\n" + frequency_axis(r, lines);
   for (std::size_t e = 0; e < pairs.size(); ++e)
     script += entry_plots(r, pairs[e], e, model != nullptr, split(cells[e], cells.height()),
                           e == 0 ? key_below_titles(cells.height()) : "unset key\n");
@@ -151,8 +209,9 @@ void plot_coherence(const FrequencyResponses& r, const PlotText& text, const std
   const int height = several ? 620 : 400;
   constexpr std::size_t most_named = 16;
   const std::size_t count = r.outputs.size();
+  const auto shown = lines_shown(r);
   std::string rows, lines;
-  for (std::size_t k = 0; k < r.lines(); ++k) {
+  for (std::size_t k = 0; k < shown; ++k) {
     std::vector<double> all(r.multiple_coherence[k].begin(), r.multiple_coherence[k].end());
     rows += fmt::format("{:.9g} {:.6g} {:.6g}", r.frequency[k], r.condition[k],
                         numerics::upper_median(all));
@@ -170,8 +229,8 @@ void plot_coherence(const FrequencyResponses& r, const PlotText& text, const std
   if (count > most_named)
     lines += ", $c using 1:3 with lines lw 1.4 lc rgb '#0072b2' title 'median'";
   draw(path, width, height,
-       titles(text.title, text.subtitle, height) + thin_axes + block_of("c", rows) +
-           "set multiplot\n" + frequency_axis(r) +
+       titles(text.title, text.subtitle + shown_lines_text(r, shown), height) + thin_axes +
+           block_of("c", rows) + "set multiplot\n" + frequency_axis(r, shown) +
            at_screen({0.08, 0.78, several ? 0.89 : 0.84, several ? 0.42 : 0.14}) +
            "set yrange [0:1.02]\nset ylabel 'multiple coherence'\n" +
            (several ? "set format x ''\n" : "set xlabel 'Hz'\n") +

@@ -12,8 +12,8 @@ namespace hydrapod::report {
 
 namespace {
 
-constexpr std::size_t most_stretches = 4000;
-constexpr int name_band = 18;  // above a row [px]
+constexpr std::size_t most_stretches = 800;  // a row is 590 pixels wide
+constexpr int name_band = 18;                // above a row [px]
 constexpr int row_height = 146, picture_width = 1200, top_band = 40, bottom_band = 50;  // [px]
 
 double lower(double a, double b) { return std::isnan(a) || b < a ? b : a; }
@@ -34,13 +34,20 @@ std::string trace_block(const data::RecordHeader& header, const TraceBuilder& tr
   return block_of("traces", text);
 }
 
-/// Columns: Hz, then dB of the density of every channel shown.
+/// Columns: Hz, then dB of the density of every channel shown, of lines that share a pixel of the
+/// logarithmic axis the highest.
 std::string spectrum_block(const data::Spectrum& spectrum, const std::vector<std::size_t>& shown) {
+  constexpr int most_lines = 400;  // a spectrum is 350 pixels wide
+  const std::vector<double> frequency(spectrum.frequency.begin() + 1, spectrum.frequency.end());
+  const auto begins = stretches_of(frequency, true, most_lines);
   std::string text;
-  for (Eigen::Index k = 1; k < spectrum.frequency.size(); ++k) {
-    text += fmt::format("{:.6g}", spectrum.frequency[k]);
+  for (std::size_t s = 0; s + 1 < begins.size(); ++s) {
+    text += fmt::format("{:.6g}", frequency[begins[s]]);
+    const auto first = static_cast<Eigen::Index>(begins[s]);
+    const auto count = static_cast<Eigen::Index>(begins[s + 1] - begins[s]);
     for (const std::size_t c : shown) {
-      const double density = spectrum.density(k, static_cast<Eigen::Index>(c));
+      const double density =
+          spectrum.density.col(static_cast<Eigen::Index>(c)).segment(first + 1, count).maxCoeff();
       text += density > 0.0 ? fmt::format(" {:.3f}", 10.0 * std::log10(density)) : " NaN";
     }
     text += '\n';

@@ -5,6 +5,8 @@
 #include <limits>
 #include <numbers>
 #include <set>
+#include <utility>
+#include <vector>
 
 #include "gnuplot.hpp"
 #include "hydrapod/base/units.hpp"
@@ -53,6 +55,28 @@ std::string difference_rows(const SideBySide& result, const ThingComparison& c,
   return block_of(fmt::format("d{}", c.thing), rows);
 }
 
+/// A difference and half its interval.
+struct Bar {
+  double value, half;
+};
+
+/// Range of the differences. A bar far longer than most is of a mode that is hardly determined; it
+/// leaves the frame, since all others would be points on a line beside it.
+std::pair<double, double> shown_range(std::vector<Bar> bars) {
+  constexpr double far = 5.0;
+  if (bars.empty()) return {-1.0, 1.0};
+  std::ranges::sort(bars, {}, &Bar::half);
+  const double usual = bars[bars.size() / 2].half;
+  double low = 0.0, high = 0.0;
+  for (const auto& bar : bars) {
+    const double half = usual > 0.0 && bar.half > far * usual ? 0.0 : bar.half;
+    low = std::min(low, bar.value - half);
+    high = std::max(high, bar.value + half);
+  }
+  const double room = high > low ? 0.1 * (high - low) : 1.0;
+  return {low - room, high + 2.5 * room};  // the legend is at the top
+}
+
 /// Labels of titles() are drawn by every plot of a page: from the second on they would look bold.
 constexpr const char* titles_drawn = "unset label 101\nunset label 102\n";
 
@@ -62,15 +86,25 @@ std::string difference_panel(const SideBySide& result, const std::vector<int>& m
   for (const int k : modes)
     names.push_back(fmt::format(
         "{:.4g} Hz", result.things.front().modes[static_cast<std::size_t>(k)].omega / two_pi));
+  const bool of_frequencies = column == 2;
+  std::vector<Bar> bars;
+  for (const auto& c : result.comparisons)
+    for (const auto& pair : c.pairs) {
+      const auto& difference = of_frequencies ? pair.frequency : pair.damping;
+      const auto& mode = result.things.front().modes[static_cast<std::size_t>(pair.first)];
+      const double scale = 100.0 / (of_frequencies ? mode.omega : 1.0);
+      bars.push_back(
+          {scale * difference.value, scale * half_interval * difference.deviation.value_or(0.0)});
+    }
+  const auto [low, high] = shown_range(std::move(bars));
   std::string script = at_screen(cell) +
                        fmt::format(
                            "unset logscale x\nset format x '%g'\nset xrange [0.4:{}.6]\n"
-                           "set autoscale y\nset ytics autofreq\n",
-                           modes.size()) +
+                           "set yrange [{:.6g}:{:.6g}]\nset ytics autofreq\n",
+                           modes.size(), low, high) +
                        named_tics('x', names);
   script += fmt::format(
-      "set xtics rotate by 40 right\nset title {} offset 0,-0.5\nset offsets 0,0,graph 0.2,0\nset "
-      "xlabel ''\n"
+      "set xtics rotate by 40 right\nset title {} offset 0,-0.5\nset xlabel ''\n"
       "set ylabel ''\nset xzeroaxis lt 1 lc rgb '#888888'\nplot ",
       quoted(title));
   for (std::size_t k = 0; k < result.comparisons.size(); ++k) {
@@ -80,7 +114,7 @@ std::string difference_panel(const SideBySide& result, const std::vector<int>& m
         k == 0 ? "" : ", ", c.thing, column, column + 1, colour(static_cast<std::size_t>(c.thing)),
         quoted(fmt::format("{} − A", letter(static_cast<std::size_t>(c.thing)))));
   }
-  return script + "\nset offsets\n" + titles_drawn;
+  return script + "\nset autoscale y\n" + titles_drawn;
 }
 
 /// Names of responses that two things have, in the order of the first thing that has them.

@@ -324,7 +324,9 @@ void add_frame(const Measured& measured, Side& side) {
 
 Side side_of_responses(const std::string& path, const Progress& progress, Diagnostics& warnings) {
   Side side;
-  const auto found = identify({.measure = {.files = {path}}, .compare = false}, progress);
+  constexpr double identified = 0.8;  // of the time
+  const auto found = identify({.measure = {.files = {path}}, .compare = false},
+                              numerics::part_of(progress, 0.0, identified));
   append(found.warnings, warnings);
   if (found.modes.modes.empty())
     base::refuse(path, "no mode was found in it; `hydrapod identify` shows why");
@@ -341,7 +343,8 @@ Side side_of_responses(const std::string& path, const Progress& progress, Diagno
                            : "")};
   add_measured(identification::modal_results(found.modes), report::motion_words(found.modes), side);
   try {
-    add_measured_responses(shared_responses(measured, progress), side);
+    add_measured_responses(shared_responses(measured, numerics::part_of(progress, identified, 1.0)),
+                           side);
   } catch (const std::invalid_argument&) {  // beside the axis, and no model brings them there
   }
   return side;

@@ -47,6 +47,18 @@ TEST_F(Calibrate, WritesTheMachineWithItsCommentsAndSaysHowSureItIs) {
   EXPECT_THAT(run_hydrapod({"modes", output}).out, HasSubstr("\nmachine: calibrated\n"));
 }
 
+/// The file writes "0.84 kN/mm" for all legs, and nothing for leg 3.
+TEST_F(Calibrate, ShowsANumberOfOneLegInTheUnitOfAllLegs) {
+  const std::string heavy = test::source_file("models/heavy-platform.toml").string();
+  const std::string modes = (folder_ / "modes.json").string();
+  ASSERT_EQ(run_hydrapod({"modes", heavy, "-o", modes}).exit_code, 0);
+  const auto run = run_hydrapod(
+      {"calibrate", heavy, "--targets", modes, "--free", "leg.3.guide_sleeve.stiffness"});
+  EXPECT_THAT(run.out, HasSubstr("\nHz: |λ| of damped modes\n"));
+  EXPECT_THAT(run.out,
+              testing::ContainsRegex("leg.3.guide_sleeve.stiffness +0.84 +0.8[0-9]* +kN/mm"));
+}
+
 /// Wherever the search began: what has no effect is not replaced by a random number.
 TEST_F(Calibrate, LeavesWhatTheTargetsDoNotDetermine) {
   const std::string output = (folder_ / "out.toml").string();

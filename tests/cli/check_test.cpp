@@ -301,6 +301,8 @@ TEST(Check, AMachineWithAnImplausibleNumberIsNotSound) {
   const std::vector<Slip> slips{
       {{"check", heavy_model, "--set", "legs.oil_spring.cylinder.bore=100 m"},
        "implausible number: legs.oil_spring.cylinder.bore is 100 m"},
+      {{"check", heavy_model, "--set", "legs.oil_spring.cylinder.air.fraction=0.9"},
+       "implausible number: legs.oil_spring.cylinder.air.fraction is 0.9"},
       {{"check", published_model, "--set", "legs.valve.rated_flow=150"},
        "implausible number: legs.valve.rated_flow is 150 m^3/s"},
       {{"check", published_model, "--set", "legs.guide_sleeve.gap=0.2"},

@@ -1,5 +1,6 @@
 /// --brief and --all: how much of a result a command prints.
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -70,6 +71,29 @@ TEST(Brief, EndsWithTheVerdict) {
   for (const char* command : {"check", "modes"})
     EXPECT_EQ(last_line(run_hydrapod({command, heavy, "--brief"}).out),
               last_line(run_hydrapod({command, heavy}).out));
+}
+
+// Forty poses were a hundred and twenty lines.
+TEST(Brief, OneCauseIsOneLineHoweverManyPosesThereAre) {
+  std::string machine = test::read_text(heavy);
+  for (int k = 0; k < 40; ++k)
+    machine += fmt::format("[poses.p{}]\nposition = [0, 0, {}]\n", k, 1.3 + 0.005 * k);
+  const auto result =
+      run_hydrapod({"check", "-", "--brief", "--set", "platform.mass=80 t"}, {.input = machine});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_LE(std::ranges::count(result.out, '\n'), 24) << result.out;
+  std::size_t lines = 0;
+  for (auto at = result.out.find("the oil can give"); at != std::string::npos;
+       at = result.out.find("the oil can give", at + 1))
+    ++lines;
+  EXPECT_EQ(lines, 1U) << result.out;
+  EXPECT_THAT(result.out, HasSubstr("; also at 43 others: "));
+  EXPECT_THAT(last_line(result.out), testing::AllOf(HasSubstr(" of 44 poses: neutral, "),
+                                                    HasSubstr("cannot hold the load at all 44")));
+  // the worst pose is named: 840 N/mm carry least with the rods far out
+  EXPECT_THAT(run_hydrapod({"check", heavy, "--brief"}).out,
+              HasSubstr("buckle with 2690 kg more on the platform (1.19 times its mass) (pose "
+                        "neutral; also surge)\n"));
 }
 
 TEST(Brief, LeavesFilesOfOtherFormatsWhole) {

@@ -245,6 +245,20 @@ TEST(Modes, GiveABaseWithoutInertiaCoordinates) {
               HasSubstr("rigid-leg model, 8 modes (2 coordinates of the base)\n"));
 }
 
+TEST(Modes, SayWhichFrequenciesTheyHave) {
+  EXPECT_THAT(run_hydrapod({"modes", published}).out,
+              HasSubstr("\nHz and rad/s: natural frequencies |λ| of the damped modes, as they are "
+                        "measured\n"));
+}
+
+TEST(Modes, DoNotBlameTheSleevesWhereTheOilIsTooSoft) {
+  EXPECT_THAT(run_hydrapod({"modes", model_file("zhang-jiang-2021-transverse.toml"), "--set",
+                            "legs.oil_spring.stiffness=1e3", "--set", "environment.gravity=9.81"})
+                  .out,
+              AllOf(HasSubstr("unstable at this pose, also in the rigid-leg model: "),
+                    Not(HasSubstr("the legs buckle"))));
+}
+
 /// K φ = ω² M φ with the matrices and shapes of the JSON alone: all a reader has.
 TEST(Modes, JsonIsEnoughToVerifyIt) {
   const auto json = json_of(

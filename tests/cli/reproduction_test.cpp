@@ -147,6 +147,27 @@ TEST_F(Reproduction, OfWhatIsPrintedIsItsCommand) {
               ElementsAre(machine, "modes.csv"));
 }
 
+/// A table in a file names its command, which a shell makes the same file with.
+TEST_F(Reproduction, OfATableInAFileIsItsCommand) {
+  const std::vector<std::string> arguments{"modes", machine,    "--set", "platform.mass=1234.5 kg",
+                                           "-o",    "modes.txt"};
+  ASSERT_EQ(run(arguments).exit_code, 0);
+  const std::string before = text("modes.txt");
+  EXPECT_THAT(before, testing::HasSubstr("\nread it's a machine.toml: sha256 " +
+                                         sum_of(folder / machine) + "\n\nwritten by hydrapod "));
+  const std::string made = " by: hydrapod ";
+  const auto from = before.find(made);
+  ASSERT_NE(from, std::string::npos) << before;
+  const auto begin = from + made.size();
+  const auto line = before.substr(begin, before.find('\n', begin) - begin);
+  fs::remove(folder / "modes.txt");
+  const auto again =
+      test::run_program("sh", {"-c", "cd '" + folder.path().string() + "' && " +
+                                         test::hydrapod_program().string() + " " + line});
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_EQ(text("modes.txt"), before);
+}
+
 TEST_F(Reproduction, HasTheDateAndTheCommit) {
   const std::vector<std::string> arguments{"check", machine, "--format", "json"};
   const auto made = [&](const char* epoch) {

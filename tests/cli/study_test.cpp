@@ -62,6 +62,9 @@ TEST(Studies, InPartsAreJoinedToTheWhole) {
   const auto joined = test::run_hydrapod(
       montecarlo({"--samples", "1500", "--results", parts, "--shard", "3", "--join"}));
   ASSERT_EQ(joined.exit_code, 0) << joined.err;
+  EXPECT_NE(joined.out.find("\nfrequencies are those of undamped modes\n1500 rows"),
+            std::string::npos)
+      << joined.out;
   EXPECT_EQ(test::read_text(parts), test::read_text(whole));
 }
 

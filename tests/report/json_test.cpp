@@ -137,6 +137,8 @@ TEST(BodeScript, IsWholeAndQuotesItsText) {
   EXPECT_NE(script.find("set output 'out.svg'\n"), std::string::npos);
   EXPECT_NE(script.find("'it''s set output ''stolen'''"), std::string::npos);
   EXPECT_EQ(script.find("nan"), std::string::npos);
+  // a phase of 0 or −180° does not lie on the frame
+  EXPECT_NE(script.find("set autoscale yfix\nset offsets 0,0,10,10\nplot "), std::string::npos);
   EXPECT_TRUE(script.ends_with("unset multiplot\nunset output\n"));
 }
 

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <sstream>
@@ -116,6 +117,96 @@ TEST(PicturesOfRecords, NameChannelsBesideTheCurvesAndEndAtTheirLastLine) {
                             Not(HasSubstr("title 'a1'"))));
 }
 
+/// The lines of `$name << END … END`.
+std::vector<std::string> block_in(const std::string& script, const std::string& name) {
+  const std::string begins = "$" + name + " << END\n";
+  std::istringstream text(script.substr(script.find(begins) + begins.size()));
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(text, line) && line != "END";) lines.push_back(line);
+  return lines;
+}
+
+// An SVG of 24 channels with the lines of every sample was of 5 MB.
+TEST(PicturesOfRecords, HaveNoMorePointsThanPixels) {
+  const data::RecordHeader header{.channels = {{.name = "a1", .unit = "g"}}, .sample_rate = 500.0};
+  TraceBuilder traces(1);
+  traces.add(data::Samples::Random(37000, 1));
+  data::RecordOverview overview;
+  overview.spectrum = {.frequency = Eigen::VectorXd::LinSpaced(8193, 0.0, 250.0),
+                       .density = Eigen::MatrixXd::Constant(8193, 1, 0.01),
+                       .segments = 3};
+  overview.spectrum.density(7001, 0) = 10.0;  // a line of its own is not lost
+  const auto script =
+      script_of([&](const auto& path) { plot_record(header, traces, overview, {0}, path); });
+  EXPECT_LE(block_in(script, "traces").size(), 800U);
+  EXPECT_GE(block_in(script, "traces").size(), 400U);
+  const auto spectrum = block_in(script, "spectra");
+  EXPECT_LE(spectrum.size(), 400U);
+  EXPECT_GE(spectrum.size(), 200U);
+  EXPECT_EQ(
+      std::ranges::count_if(spectrum, [](const auto& line) { return line.ends_with(" 10.000"); }),
+      1);
+}
+
+// Above a hundredth of 500 Hz most of a logarithmic axis showed noise.
+TEST(PicturesOfResponses, EndWhereNoiseBegins) {
+  auto r = responses(1);
+  r.frequency.clear();
+  r.H.clear();
+  r.multiple_coherence.clear();
+  r.condition.clear();
+  for (int k = 1; k <= 500; ++k) {
+    r.frequency.push_back(k);
+    r.H.emplace_back(Eigen::MatrixXcd::Constant(1, 1, k == 61 ? 1000.0 : 1.0));
+    r.multiple_coherence.emplace_back(Eigen::VectorXd::Constant(1, k <= 80 ? 0.98 : 0.11));
+    r.condition.push_back(1.7);
+  }
+  r.averages = 9.7;
+  const auto both = [&](const std::string& expected) {
+    EXPECT_THAT(script_of([&](const auto& path) { plot_responses(r, nullptr, {}, path); }),
+                HasSubstr(expected));
+    EXPECT_THAT(script_of([&](const auto& path) { plot_coherence(r, {}, path); }),
+                HasSubstr(expected));
+  };
+  both("set xrange [1:100]\n");
+  both("; beyond 100 Hz there is noise alone");
+  const auto lines =
+      block_in(script_of([&](const auto& path) { plot_responses(r, nullptr, {}, path); }), "frf");
+  EXPECT_EQ(
+      std::ranges::count_if(
+          lines, [](const auto& line) { return line.find(" 60.0000 ") != std::string::npos; }),
+      1)
+      << "a resonance of one line is shown";
+  for (auto& c : r.multiple_coherence) c[0] = 0.11;  // nothing is coherent: all is shown
+  both("set xrange [1:500]\n");
+  r.averages = 0.0;  // of a file of another program
+  r.multiple_coherence.clear();
+  EXPECT_THAT(script_of([&](const auto& path) { plot_responses(r, nullptr, {}, path); }),
+              HasSubstr("set xrange [1:500]\n"));
+}
+
+TEST(Stretches, AreEquallyWideOnTheirAxis) {
+  using testing::ElementsAre;
+  EXPECT_THAT(stretches_of({1, 2, 3, 4, 5, 6, 7, 9}, false, 4), ElementsAre(0, 2, 4, 6, 8));
+  EXPECT_THAT(stretches_of({1, 2, 3, 4, 10, 20, 99, 100}, true, 2), ElementsAre(0, 4, 8));
+  EXPECT_THAT(stretches_of({7}, true, 5), ElementsAre(0, 1));
+  EXPECT_THAT(stretches_of({}, false, 5), ElementsAre(0));
+}
+
+TEST(JoinedCells, AreOnePathPerColour) {
+  const std::string cell = "\t\t<polygon fill = 'rgb(194,  70, 122)' points = '";
+  const std::string svg = "<g>\n" + cell + "2,5 4,5 4,4 2,4 '/>\n" + cell +
+                          "2,4 4,4 4,3 2,3 '/>\n" + cell +
+                          "6,4 8,4 8,3 6,3 '/>\n\t<polygon fill = 'rgb( 16,   0,   9)' points = "
+                          "'4,5 6,5 6,4 4,4 '/>\n" +
+                          cell + "1,1 2,2 3,1 '/>\n" + cell + "0,1 1,2 2,1 1,0 '/>\n</g>\n";
+  EXPECT_EQ(joined_cells(svg),
+            "<g>\n<path shape-rendering='crispEdges' fill='#100009' d='M4 4H6V5H4z'/>\n"
+            "<path shape-rendering='crispEdges' fill='#c2467a' d='M2 3H4V5H2zM6 3H8V4H6z'/>\n" +
+                cell + "1,1 2,2 3,1 '/>\n" + cell + "0,1 1,2 2,1 1,0 '/>\n</g>\n");
+  EXPECT_EQ(joined_cells(""), "");
+}
+
 /// One branch that moves to the left with the value, at 20 rad/s; today it is at its beginning.
 TEST(PicturesOfRootLoci, HaveDampingRaysArrowsAndTheMachineOfToday) {
   RootLocus locus{.key = "controller.gain", .today_value = 10.2};
@@ -140,6 +231,39 @@ TEST(PicturesOfRootLoci, HaveDampingRaysArrowsAndTheMachineOfToday) {
   EXPECT_THAT(script, AllOf(HasSubstr("set key at screen "), Not(HasSubstr("set key at graph "))));
   locus.today = {};
   EXPECT_THAT(script_of(draw), Not(HasSubstr("$today")));
+}
+
+// The interval of a mode that is hardly determined was 860 %: all others were points on a line.
+TEST(PicturesOfComparisons, OneModeHardlyDeterminedDoesNotSetTheScale) {
+  SideBySide both;
+  both.things.resize(2);
+  both.comparisons.push_back({.thing = 1});
+  for (int k = 0; k < 5; ++k) {
+    both.things[0].modes.push_back({.omega = 100.0});
+    const double deviation = k == 2 ? 400.0 : 1.0;
+    both.comparisons[0].pairs.push_back({.first = k,
+                                         .second = k,
+                                         .frequency = {.value = 2.0, .deviation = deviation},
+                                         .damping = {.value = 0.01, .deviation = 0.002}});
+  }
+  const auto script = script_of([&](const auto& path) { plot_side_by_side(both, path); });
+  const std::string begins = "set yrange [";
+  std::istringstream range(script.substr(script.find(begins) + begins.size()));
+  double low{}, high{};
+  char colon{};
+  range >> low >> colon >> high;  // 2 % with an interval of ± 1.96 %
+  EXPECT_NEAR(low, -0.4, 0.01);
+  EXPECT_NEAR(high, 3.96 + 1.0, 0.1);
+}
+
+TEST(PicturesOfCapability, SayWhichMachineTheyAreOf) {
+  PoseCheck check;
+  check.pose.name = "high";
+  check.capability.emplace();
+  const auto script = script_of([&](const auto& path) {
+    plot_capability(check, {.title = "Rig", .subtitle = "machine: nominal, with a=1"}, path);
+  });
+  EXPECT_THAT(script, AllOf(HasSubstr("'Rig'"), HasSubstr("; machine: nominal, with a=1'")));
 }
 
 TEST(PicturesOfDiagnoses, SayAtWhichPoseAModeWasMeasured) {

@@ -47,7 +47,7 @@ Json experiment_object(const data::Experiment& experiment);
 Json record_json(const data::RecordSet& record, const data::RecordOverview& overview,
                  bool with_spectra);
 
-/// Lowest and highest sample of each of up to a few thousand stretches of equal length, for a
+/// Lowest and highest sample of each of up to some hundred stretches of equal length, for a
 /// record of any length: stretches grow as samples come.
 class TraceBuilder {
  public:
@@ -252,7 +252,7 @@ std::vector<std::string> calibration_remarks(const calibration::Calibration& res
 /// Target against model per mode, above the misfit of every combination; throws as report's other
 /// pictures do.
 void plot_calibration(const calibration::Calibration& result, const observation::Targets& targets,
-                      const std::string& path);
+                      const PlotText& text, const std::string& path);
 
 /// Heat map: modes downwards, parameters across, colour and number in per cent per per cent.
 void plot_sensitivities(const calibration::Sensitivities& sensitivities, const std::string& title,

@@ -109,6 +109,9 @@ struct PoseCheck {
 /// Can the machine not stand at the pose: are its legs folded, is there no equilibrium, is the
 /// supply too weak?
 bool is_fatal(PoseWarning::Kind kind);
+/// One text per cause for all poses together: that of the pose where it is worst, with the names of
+/// the others.
+std::vector<std::string> warnings_by_cause(const std::vector<PoseCheck>& poses);
 bool is_sound(const PoseCheck& check);
 
 /// Is the finding of model::unusual_numbers() about a number beyond the range of its key, as a bore
@@ -131,10 +134,16 @@ std::string warning_text(const PoseWarning& warning);
 /// "leg 3 pushes with all it has", "flow of the pump".
 std::string limit_text(simulation::Limit limit);
 
+/// What a plot says about itself.
+struct PlotText {
+  std::string title{};
+  std::string subtitle{};  ///< pose, point, damping, gravity: what a reader must know
+};
+
 /// Bars by direction, both signs, one diagram for each of force, speed, acceleration, jerk and
 /// excursion; the colour says what ends it. Throws as draw(), and base::InputError for a pose
 /// without a capability.
-void plot_capability(const PoseCheck& check, const std::string& title, const std::string& path);
+void plot_capability(const PoseCheck& check, const PlotText& text, const std::string& path);
 
 /// "45.92 kg", "74940 kg": four digits, and a power of ten from 1e9 kg on only.
 std::string mass_text(double mass);
@@ -180,12 +189,6 @@ std::string bode_csv(const Bode& bode);
 struct Entry {
   int output{};
   int input{};
-};
-
-/// What a plot says about itself.
-struct PlotText {
-  std::string title{};
-  std::string subtitle{};  ///< pose, point, damping, gravity: what a reader must know
 };
 
 /// Magnitude and phase of `entries` as a gnuplot script that plots to `terminal` and `file`.
