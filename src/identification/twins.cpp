@@ -66,7 +66,11 @@ void warn_of_twins(const IdentifyOptions& options, Identification& result) {
   constexpr double quality = 0.3;
   constexpr Index told_by = 3;  // fewer responses have the same shape easily
   const auto& r = result.responses;
-  if (!result.errors_assumed || result.model.error < options.window.least_left ||
+  // halves of a record that are too short to tell whether modes wander
+  const double needed =
+      2.0 * (static_cast<double>(r.inputs.size()) + WanderOptions{}.least_degrees);
+  const bool short_record = r.whole == nullptr && r.averages > 0.0 && r.averages < needed;
+  if (!(result.errors_assumed || short_record) || result.model.error < options.window.least_left ||
       std::ssize(r.outputs) * std::ssize(r.inputs) < told_by)
     return;
   ModeWarning warning{.kind = ModeWarning::Kind::twins, .total = std::ssize(result.modes)};
@@ -80,10 +84,11 @@ void warn_of_twins(const IdentifyOptions& options, Identification& result) {
                       (std::abs(a.pole.real()) + std::abs(b.pole.real()));
     }
     warning.count += std::ssize(group);
-    for (const auto member : group)
-      result.modes[member].explained = std::min(result.modes[member].explained, quality);
   }
-  if (warning.count > 0) result.warnings.push_back(warning);
+  if (warning.count == 0) return;
+  // what made the twins is in all resonances
+  for (auto& mode : result.modes) mode.explained = std::min(mode.explained, quality);
+  result.warnings.push_back(warning);
 }
 
 }  // namespace hydrapod::identification

@@ -15,8 +15,8 @@ std::vector<std::vector<std::size_t>> twin_groups(const std::vector<IdentifiedMo
 Identification with_twins_merged(const Identification& found,
                                  const std::vector<std::vector<std::size_t>>& groups);
 
-/// Of responses without errors that leave more than what a window adds: names twins, and lowers
-/// their quality.
+/// Of responses without errors, or of a record that is too short to test whether modes wander:
+/// where more is left than what a window adds, names twins, and lowers the quality of all modes.
 void warn_of_twins(const IdentifyOptions& options, Identification& result);
 
 }  // namespace hydrapod::identification

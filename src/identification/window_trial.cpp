@@ -32,16 +32,19 @@ void try_windows(const FrequencyResponses& given, const IdentifyOptions& options
     if (progress) progress(1.0);
     stopped = false;
   };
+  // BIC, where the RMS of what is left tells nothing: few averages err at resonances by more than
+  // what a window adds
+  constexpr double beyond_doubt = 50.0;
   bool clean = false;  // with the window noise alone is left
   for (const auto window : {Window::hann, Window::rectangular, Window::hamming,
                             Window::blackman_harris, Window::flat_top}) {
     try {
       auto other = identified(with_window(given, window, options.window), options, watched);
       const bool noise = is_noise(other.model, other.unexplained) && !has_twins(other);
-      if (other.modes.empty() || (clean && !noise) || !widens(other, options) ||
-          !((noise && !clean && found) ||
-            evidence(other, result, options) > options.window.evidence))
-        continue;
+      if (other.modes.empty() || (clean && !noise)) continue;
+      const double more = evidence(other, result, options);
+      const bool shown = widens(other, options) || (noise && more > beyond_doubt);
+      if (!shown || !((noise && !clean && found) || more > options.window.evidence)) continue;
       result = std::move(other);
       found = window;
       clean = noise;

@@ -386,8 +386,9 @@ std::string warning_text(const identification::ModeWarning& w) {
       return fmt::format(
           "{} of {} modes stand beside another one with the same shape and participation, as at "
           "{:.5g} Hz and {:.5g} Hz, {:.2g} half widths apart: one resonance may have become both, "
-          "by a window of the analyser that was not tried, or because it moved during the "
-          "measurement; a tuned absorber makes such pairs too",
+          "by a window of the analyser that was not told, or because it moved during the "
+          "measurement, and damping ratios of all modes may be too high; a tuned absorber makes "
+          "such pairs too",
           w.count, w.total, w.from, w.to, w.value);
     case Kind::conjugated:
       return fmt::format(
