@@ -66,9 +66,10 @@ void warn_of_twins(const IdentifyOptions& options, Identification& result) {
   constexpr double quality = 0.3;
   constexpr Index told_by = 3;  // fewer responses have the same shape easily
   const auto& r = result.responses;
-  // halves of a record that are too short to tell whether modes wander
+  // halves of a record that are too short to tell whether modes wander; averages are lost between
+  // them
   const double needed =
-      2.0 * (static_cast<double>(r.inputs.size()) + WanderOptions{}.least_degrees);
+      3.0 * (static_cast<double>(r.inputs.size()) + WanderOptions{}.least_degrees);
   const bool short_record = r.whole == nullptr && r.averages > 0.0 && r.averages < needed;
   if (!(result.errors_assumed || short_record) || result.model.error < options.window.least_left ||
       std::ssize(r.outputs) * std::ssize(r.inputs) < told_by)

@@ -32,19 +32,21 @@ void try_windows(const FrequencyResponses& given, const IdentifyOptions& options
     if (progress) progress(1.0);
     stopped = false;
   };
-  // BIC, where the RMS of what is left tells nothing: few averages err at resonances by more than
-  // what a window adds
-  constexpr double beyond_doubt = 50.0;
+  // BIC, where the RMS of what is left tells little: few averages err at resonances by more than
+  // what a window adds. Where there are none, it is far worse with a window.
+  constexpr double beyond_doubt = 50.0, alike = 1.5;
+  const double plain_error = result.model.error;
   bool clean = false;  // with the window noise alone is left
   for (const auto window : {Window::hann, Window::rectangular, Window::hamming,
                             Window::blackman_harris, Window::flat_top}) {
     try {
       auto other = identified(with_window(given, window, options.window), options, watched);
+      if (other.modes.empty()) continue;
       const bool noise = is_noise(other.model, other.unexplained) && !has_twins(other);
-      if (other.modes.empty() || (clean && !noise)) continue;
       const double more = evidence(other, result, options);
-      const bool shown = widens(other, options) || (noise && more > beyond_doubt);
-      if (!shown || !((noise && !clean && found) || more > options.window.evidence)) continue;
+      const bool shown = widens(other, options) ||
+                         (noise && more > beyond_doubt && other.model.error < alike * plain_error);
+      if (!shown || !(more > (found ? 0.0 : options.window.evidence))) continue;
       result = std::move(other);
       found = window;
       clean = noise;

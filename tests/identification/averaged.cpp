@@ -1,6 +1,7 @@
 #include "averaged.hpp"
 
 #include <Eigen/LU>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -26,6 +27,14 @@ Eigen::VectorXd samples_of_window(const Averaged& how) {
   if (how.window == "hann")
     for (int t = 0; t < how.block; ++t)
       w[t] = std::pow(std::sin(std::numbers::pi * t / how.block), 2);
+  if (how.window == "flat-top")
+    for (int t = 0; t < how.block; ++t) {
+      // D'Antona and Ferrero (2006)
+      constexpr std::array a{0.21557895, -0.41663158, 0.277263158, -0.083578947, 0.006947368};
+      w[t] = 0.0;
+      for (std::size_t j = 0; j < a.size(); ++j)
+        w[t] += a[j] * std::cos(2.0 * std::numbers::pi * static_cast<double>(j) * t / how.block);
+    }
   return w;
 }
 
@@ -59,7 +68,7 @@ FrequencyResponses averaged_responses(const Averaged& how, std::uint64_t seed) {
                                   Eigen::MatrixXcd::Zero(p + q, p + q));
   Eigen::MatrixXcd Z(fft.lines(), p + q);
   std::vector<std::complex<double>> lines(S.size());
-  const Eigen::Index hop = how.window == "hann" ? how.block / 2 : how.block;
+  const Eigen::Index hop = how.window == "box" ? how.block : how.block / 2;
   for (Eigen::Index from = 0; from + how.block <= samples.rows(); from += hop) {
     for (Eigen::Index c = 0; c < p + q; ++c) {
       const Eigen::VectorXd block = samples.col(c).segment(from, how.block);

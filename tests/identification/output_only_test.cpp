@@ -32,6 +32,27 @@ TEST(OutputOnly, ModesOfUnequalMassesHaveIntervals) {
   EXPECT_FALSE(found.chart.empty());
 }
 
+/// Forces of which a low-pass leaves most below the lowest mode: its real pole is not in the model,
+/// and took a third of the damping of that mode.
+TEST(OutputOnly, ForcesThatFallWithFrequencyLeaveTheDamping) {
+  using Eigen::Vector;
+  ModalSystem system{{real_mode(7.03, 0.0131, Vector<double, 5>(0.83, -0.41, 0.57, 0.93, -0.72)),
+                      real_mode(12.17, 0.0083, Vector<double, 5>(-0.37, 0.91, 0.62, -0.48, -0.85)),
+                      real_mode(20.3, 0.0079, Vector<double, 5>(0.69, 0.52, -0.97, 0.44, 0.33)),
+                      real_mode(33.1, 0.0082, Vector<double, 5>(0.46, -0.77, -0.36, -0.88, 0.59))}};
+  for (auto& mode : system.modes) mode.shape *= mode.pole * mode.pole;  // accelerations
+  for (const std::uint64_t seed : {1U, 2U, 3U, 4U}) {
+    const auto record = outputs_of(
+        system,
+        {.sample_rate = 151.0, .samples = 60000, .noise = 0.02, .colour = 2.9, .seed = seed});
+    const auto found = identified_outputs(record, 2048);
+    ASSERT_EQ(found.modes.size(), 4U) << seed;
+    const auto& fit = found.modes[0].fit;
+    EXPECT_NEAR(fit.damping_ratio(), 0.0131, far * fit.damping_deviation) << seed;
+    EXPECT_GT(found.from, 3.5) << seed;
+  }
+}
+
 TEST(OutputOnly, HarmonicsAreToldFromModes) {
   auto data = chain_with_tones();
   data.experiment.seed = 3;

@@ -58,6 +58,28 @@ TEST(Wandering, ThePartnerInAPartIsTheSameMode) {
   }
 }
 
+/// A drift by several widths makes two modes of one shape. Neither is there.
+TEST(Wandering, AResonanceThatBecameTwinsIsNoMode) {
+  using Eigen::Vector4d;
+  constexpr int drifting = 1;
+  constexpr double frequency = 17.3;
+  test::ModalSystem system{{test::real_mode(11.1, 0.0061, Vector4d(0.83, -0.41, 0.57, 0.93)),
+                            test::real_mode(frequency, 0.0078, Vector4d(-0.37, 0.91, 0.62, -0.48)),
+                            test::real_mode(26.3, 0.0052, Vector4d(0.69, 0.52, -0.97, 0.44))}};
+  for (auto& mode : system.modes) mode.participation = mode.participation.head(1).eval();
+  for (const double duration : {200.0, 600.0}) {
+    const auto found = tested_for_wandering(
+        drifting_record(system, {.mode = drifting, .size = 0.04, .duration = duration}, 3));
+    int near = 0;
+    for (const auto& mode : found.modes) {
+      if (std::abs(mode.fit.omega() / (2.0 * std::numbers::pi) / frequency - 1.0) > 0.05) continue;
+      ++near;
+      EXPECT_LE(mode.quality(), 0.3) << duration;
+    }
+    EXPECT_GE(near, 2) << duration;
+  }
+}
+
 /// Quarters are fitted as they are read where they are long enough, and put together where they are
 /// not: what comes out is that of all spectra at once.
 TEST(Wandering, OfARecordIsThatOfItsGroups) {
