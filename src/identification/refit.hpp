@@ -7,6 +7,10 @@
 
 namespace hydrapod::identification {
 
+/// A fit to `responses` that begins at all poles of `found`, whose modes come first.
+ModalModel refitted(const FrequencyResponses& responses, const Identification& found,
+                    FitOptions options, Deviations deviations);
+
 /// The modes of `found` in the order of its list, from a fit to `responses` that began at all poles
 /// of its model.
 std::vector<FittedMode> refitted_modes(const FrequencyResponses& responses,

@@ -23,16 +23,26 @@ double height(const FittedMode& mode) {
   return mode.shape.norm() * mode.participation.norm() / std::abs(mode.pole.real());
 }
 
+/// [rad/s] of the widest window that is known.
+double main_lobe(const FrequencyResponses& r) {
+  constexpr double wide = 5.0;  // lines
+  return r.lines() < 2 ? 0.0
+                       : wide * two_pi * (r.frequency.back() - r.frequency.front()) /
+                             static_cast<double>(r.lines() - 1);
+}
+
 }  // namespace
 
-std::vector<std::vector<std::size_t>> twin_groups(const std::vector<IdentifiedMode>& modes) {
+std::vector<std::vector<std::size_t>> twin_groups(const std::vector<IdentifiedMode>& modes,
+                                                  double closest) {
   std::vector<std::size_t> order(modes.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::sort(order, {}, [&](std::size_t r) { return modes[r].fit.pole.imag(); });
   std::vector<std::vector<std::size_t>> groups;
   for (const auto r : order) {
     const auto own = std::ranges::find_if(groups, [&](const auto& group) {
-      return are_twins(modes[group.back()].fit, modes[r].fit);
+      const auto &a = modes[group.back()].fit, &b = modes[r].fit;
+      return b.pole.imag() - a.pole.imag() < closest && are_twins(a, b);
     });
     if (own == groups.end())
       groups.push_back({r});
@@ -62,20 +72,20 @@ Identification with_twins_merged(const Identification& found,
   return merged;
 }
 
+bool has_twins(const Identification& found) {
+  return std::ranges::any_of(twin_groups(found.modes, main_lobe(found.responses)),
+                             [](const auto& group) { return group.size() > 1; });
+}
+
 void warn_of_twins(const IdentifyOptions& options, Identification& result) {
   constexpr double quality = 0.3;
   constexpr Index told_by = 3;  // fewer responses have the same shape easily
   const auto& r = result.responses;
-  // halves of a record that are too short to tell whether modes wander; averages are lost between
-  // them
-  const double needed =
-      3.0 * (static_cast<double>(r.inputs.size()) + WanderOptions{}.least_degrees);
-  const bool short_record = r.whole == nullptr && r.averages > 0.0 && r.averages < needed;
-  if (!(result.errors_assumed || short_record) || result.model.error < options.window.least_left ||
+  if (!result.errors_assumed || result.model.error < options.window.least_left ||
       std::ssize(r.outputs) * std::ssize(r.inputs) < told_by)
     return;
   ModeWarning warning{.kind = ModeWarning::Kind::twins, .total = std::ssize(result.modes)};
-  for (const auto& group : twin_groups(result.modes)) {
+  for (const auto& group : twin_groups(result.modes, main_lobe(r))) {
     if (group.size() < 2) continue;
     const auto &a = result.modes[group[0]].fit, &b = result.modes[group[1]].fit;
     if (warning.count == 0) {

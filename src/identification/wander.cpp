@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <limits>
 #include <numeric>
+#include <optional>
 
 #include "damped.hpp"
 #include "groups.hpp"
@@ -25,6 +26,7 @@ namespace {
 struct GroupFits {
   MatrixXd omega{}, omega_deviation{}, damping{}, damping_deviation{};
   MatrixXd excitation{};  // see WanderOptions::least_excitation; 0: the mode is not in this group
+  double misfit{};        // sum over groups
 };
 
 /// Per input, mean over the half-power band of a mode and the lines nearest to it.
@@ -67,7 +69,13 @@ bool add_fit(const FrequencyResponses& responses, const Identification& found,
   if (responses.outputs.size() != found.responses.outputs.size() ||
       responses.inputs.size() != found.responses.inputs.size())
     return false;
-  const auto modes = refitted_modes(responses, found, options.fit, Deviations::poles);
+  for (auto* m : {&fits.omega, &fits.omega_deviation, &fits.damping, &fits.damping_deviation,
+                  &fits.excitation})
+    m->conservativeResize(std::ssize(found.modes), group + 1);
+  const auto model = refitted(responses, found, options.fit, Deviations::poles);
+  const std::vector<FittedMode> modes(model.modes.begin(),
+                                      model.modes.begin() + std::ssize(found.modes));
+  fits.misfit += model.misfit;
   for (Index r = 0; r < fits.omega.rows(); ++r) {
     const auto& whole = found.modes[static_cast<std::size_t>(r)].fit;
     const auto partner = partner_in(modes, whole, static_cast<std::size_t>(r));
@@ -166,28 +174,60 @@ data::ResponseWarning warning_in(const SensorWatch::Change& change, const Freque
   return warning;
 }
 
-/// The fits of groups one by one, and what they say.
+/// The modes of `found` that wander between groups. `degrees`: of the noise estimates.
+std::vector<Wandering> wandering_between(const Identification& found, const GroupFits& fits,
+                                         double degrees, const WanderOptions& options) {
+  std::vector<Wandering> list;
+  const auto modes = std::ssize(found.modes);
+  const double probability = 1.0 - options.level / static_cast<double>(modes);
+  for (Index r = 0; r < modes; ++r) {
+    const auto& mode = found.modes[static_cast<std::size_t>(r)].fit;
+    std::vector<Index> parts;
+    for (Index g = 0; g < fits.omega.cols(); ++g)
+      if (fits.excitation(r, g) > options.least_excitation) parts.push_back(g);
+    if (parts.size() < 2) continue;
+    const VectorXd omega = fits.omega(r, parts), deviation = fits.omega_deviation(r, parts);
+    if (!(deviation.minCoeff() > 0.0) || !deviation.allFinite() || !omega.allFinite()) continue;
+    const auto spread = spread_of(omega, deviation);
+    const double between = spread.degrees;
+    if (!(spread.chi_squared / between >
+          numerics::fisher_quantile(probability, between, degrees)) ||
+        !(spread.deviation > options.least_spread * mode.damping_ratio() * mode.omega()))
+      continue;
+    const auto damping = spread_of(fits.damping(r, parts), fits.damping_deviation(r, parts));
+    list.push_back({.mode = static_cast<std::size_t>(r),
+                    .chi_squared = spread.chi_squared,
+                    .groups = static_cast<int>(parts.size()),
+                    .lowest = omega.minCoeff(),
+                    .highest = omega.maxCoeff(),
+                    .deviation = spread.deviation,
+                    .damping_in_groups = damping.mean});
+  }
+  return list;
+}
+
+/// The fits of groups one by one, and what they say. Twins are also fitted as one.
 class PartFits {
  public:
   PartFits(const Identification& found, const IdentifyOptions& options)
-      : twins_(twin_groups(found.modes)),
-        found_(with_twins_merged(found, twins_)),
+      : found_(found),
         options_(options),
-        sensors_(found_.responses) {}
+        twins_(twin_groups(found.modes)),
+        sensors_(found.responses) {
+    if (twins_.size() < found.modes.size()) merged_ = with_twins_merged(found, twins_);
+  }
 
   /// `fit`: or only the sensors are looked at.
   void add(CrossSpectra&& part, const ChannelChoice& choice, Estimator estimator, bool fit = true) {
-    for (auto* m : {&fits_.omega, &fits_.omega_deviation, &fits_.damping, &fits_.damping_deviation,
-                    &fits_.excitation})
-      m->conservativeResize(static_cast<Index>(found_.modes.size()), fitted_ + 1);
     degrees_ += part.statistics.effective_averages - static_cast<double>(choice.inputs.size());
     const auto label = static_cast<std::size_t>(added_++);
     try {
       const auto responses = responses_for_modes(part, choice, estimator);
       part = {};  // no longer needed, and large
       sensors_.add(responses, label);
-      if (!fit) return;
-      fitted_ += add_fit(responses, found_, options_, fitted_, fits_);
+      if (!fit || !add_fit(responses, found_, options_, fitted_, fits_)) return;
+      if (merged_) add_fit(responses, *merged_, options_, fitted_, merged_fits_);
+      ++fitted_;
     } catch (const base::ComputationError&) {  // this part has too little in it
     }
   }
@@ -200,42 +240,31 @@ class PartFits {
   }
 
   [[nodiscard]] std::vector<Wandering> wandering(const WanderOptions& options) const {
-    std::vector<Wandering> list;
-    if (fitted_ < 2) return list;
-    const auto modes = static_cast<Index>(found_.modes.size());
-    const double probability = 1.0 - options.level / static_cast<double>(modes);
-    for (Index r = 0; r < modes; ++r) {
-      const auto& mode = found_.modes[static_cast<std::size_t>(r)].fit;
-      std::vector<Index> parts;
-      for (Index g = 0; g < fitted_; ++g)
-        if (fits_.excitation(r, g) > options.least_excitation) parts.push_back(g);
-      if (parts.size() < 2) continue;
-      const VectorXd omega = fits_.omega(r, parts), deviation = fits_.omega_deviation(r, parts);
-      if (!(deviation.minCoeff() > 0.0) || !deviation.allFinite() || !omega.allFinite()) continue;
-      const auto spread = spread_of(omega, deviation);
-      const double between = spread.degrees;
-      if (!(spread.chi_squared / between >
-            numerics::fisher_quantile(probability, between, degrees_)) ||
-          !(spread.deviation > options.least_spread * mode.damping_ratio() * mode.omega()))
-        continue;
-      const auto damping = spread_of(fits_.damping(r, parts), fits_.damping_deviation(r, parts));
-      for (const auto member : twins_[static_cast<std::size_t>(r)])
-        list.push_back({.mode = member,
-                        .chi_squared = spread.chi_squared,
-                        .groups = static_cast<int>(parts.size()),
-                        .lowest = omega.minCoeff(),
-                        .highest = omega.maxCoeff(),
-                        .deviation = spread.deviation,
-                        .damping_in_groups = damping.mean});
+    if (fitted_ < 2) return {};
+    auto list = wandering_between(found_, fits_, degrees_, options);
+    // in each part one pole is as good as two: there never were two resonances at a time
+    constexpr double as_good = 1.2;
+    if (!merged_ || !(merged_fits_.misfit < as_good * fits_.misfit)) return list;
+    for (auto one : wandering_between(*merged_, merged_fits_, degrees_, options)) {
+      const auto& members = twins_[one.mode];
+      if (members.size() < 2) continue;
+      std::erase_if(list, [&](const Wandering& w) {
+        return std::ranges::find(members, w.mode) != members.end();
+      });
+      for (const auto member : members) {
+        one.mode = member;
+        list.push_back(one);
+      }
     }
     return list;
   }
 
  private:
-  std::vector<std::vector<std::size_t>> twins_;
-  Identification found_;  // a resonance that became several is one
+  const Identification& found_;
   const IdentifyOptions& options_;
-  GroupFits fits_{};
+  std::vector<std::vector<std::size_t>> twins_;
+  std::optional<Identification> merged_{};  // a resonance that became several is one
+  GroupFits fits_{}, merged_fits_{};
   SensorWatch sensors_;
   Index fitted_{}, added_{};
   double degrees_{};  // of the noise estimates
@@ -379,13 +408,12 @@ void add_changed_channel(const data::ResponseWarning& changed, Identification& f
 }
 
 void add_wandering(const std::vector<Wandering>& wandering, Identification& found) {
-  const auto twins = twin_groups(found.modes);
   for (const auto& w : wandering) {
     auto& mode = found.modes.at(w.mode);
     const double half_width = mode.fit.damping_ratio() * mode.fit.omega();
     // one resonance that is elsewhere in each part: no mode is where the twins are
-    const bool is_twin = std::ranges::any_of(twins, [&](const auto& group) {
-      return group.size() > 1 && std::ranges::find(group, w.mode) != group.end();
+    const bool is_twin = std::ranges::any_of(wandering, [&](const Wandering& other) {
+      return other.mode != w.mode && other.chi_squared == w.chi_squared;
     });
     mode.steadiness = is_twin ? 0.0 : half_width / (half_width + w.deviation);
     found.warnings.push_back(

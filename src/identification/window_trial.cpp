@@ -17,10 +17,6 @@ void try_windows(const FrequencyResponses& given, const IdentifyOptions& options
   const auto is_noise = [&](const ModalModel& model, const std::vector<Unexplained>& unexplained) {
     return unexplained.empty() && model.misfit <= options.largest_misfit;
   };
-  const auto has_twins = [](const Identification& found) {
-    return std::ranges::any_of(twin_groups(found.modes),
-                               [](const auto& group) { return group.size() > 1; });
-  };
   if ((is_noise(result.model, result.unexplained) && !has_twins(result)) ||
       result.model.error < options.window.least_left)
     return;
