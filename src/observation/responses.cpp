@@ -162,7 +162,133 @@ Inputs inputs_of(const data::FrequencyResponses& responses, const std::vector<Ro
   return known_as_they_are(inputs, responses.outputs, rows) ? forces(inputs, X_BP, at) : Inputs{};
 }
 
+/// The six inputs of an entry per input; else why there are none.
+struct Columns {
+  Eigen::MatrixXd of_entry{};
+  std::string why_not{};
+};
+
+/// Forces at `p_BF` as forces and moments about the mass centre.
+Columns at_mass_center(const std::vector<data::Channel>& inputs, const Observation& seen,
+                       const spatial::Vector3& p_BF) {
+  const auto units = directions_of(inputs);
+  if (units.size() == 0) return {.why_not = "the direction of one of its forces is not known"};
+  spatial::Matrix6 to_center = spatial::Matrix6::Identity();
+  to_center.bottomLeftCorner<3, 3>() = spatial::skew(p_BF - seen.mechanics.p_BC);
+  return {.of_entry = to_center * units};
+}
+
+Columns columns_of(const std::vector<data::Channel>& inputs, Entry entry,
+                   const ComparisonFrame& frame, const Observation& seen,
+                   const spatial::Vector3& p_BF) {
+  switch (entry) {
+    case Entry::valves: {
+      // shares of each leg's range: of one leg, or of all by directions, as lengths of legs go
+      const auto is_share = [](const data::Channel& input) {
+        const int axis = std::abs(static_cast<int>(input.direction));
+        return axis != 0 && input.unit == (axis >= 4 && axis <= 6 ? "1/m" : "1");
+      };
+      if (!std::ranges::all_of(inputs, is_share))
+        return {.why_not =
+                    "its drives are no shares of the range of legs, and their size is not "
+                    "known"};
+      const auto geometry = kinematics::inverse_kinematics(frame.machine, frame.X_BP);
+      return {.of_entry = legs_of(inputs, kinematics::leg_jacobian(geometry, frame.p_BQ))};
+    }
+    case Entry::commands: {
+      Columns columns{.of_entry = directions_of(inputs)};
+      if (columns.of_entry.size() == 0)
+        columns.why_not = "the direction of one of its commands is not known";
+      return columns;
+    }
+    case Entry::forces:
+      break;
+  }
+  return at_mass_center(inputs, seen, p_BF);
+}
+
+/// How an output sees the motion of the platform.
+struct View {
+  Eigen::Index output{};
+  int rate{};
+  MotionAgainst against{};
+};
+
+std::vector<View> views_of(const std::vector<data::Channel>& outputs, const Eigen::MatrixXd& map) {
+  std::vector<View> views;
+  for (Eigen::Index o = 0; o < map.rows(); ++o) {
+    const auto& output = outputs[static_cast<std::size_t>(o)];
+    if (map.row(o).allFinite() && is_motion(output))
+      views.push_back(
+          {.output = o,
+           .rate = data::time_derivatives(output.unit),
+           .against = data::against_ground(output) ? MotionAgainst::ground : MotionAgainst::base});
+  }
+  return views;
+}
+
+/// What estimates of displacements, speeds and accelerations make of responses; empty where that
+/// is not known.
+std::vector<std::optional<LagWindow>> windows_of(const data::FrequencyResponses& measured) {
+  std::vector<std::optional<LagWindow>> windows(3);
+  if (measured.taper.size() == 0) return windows;
+  for (int rate = 0; rate < 3; ++rate) {
+    auto& window = windows[static_cast<std::size_t>(rate)];
+    window = lag_window(measured.taper, measured.sample_rate, rate);
+    if (!window) return {};
+  }
+  return windows;
+}
+
+const char* entry_without_system(Entry entry) {
+  return entry == Entry::valves ? "its inputs are drives, which only the plant has"
+                                : "its inputs are commands, which only a controlled machine has";
+}
+
 }  // namespace
+
+ShownResponses shown_responses(const data::FrequencyResponses& measured,
+                               const ComparisonFrame& frame, const Observation& seen,
+                               const spatial::Vector3& p_BF) {
+  if (measured.estimator == data::Estimator::half_spectra)
+    return {.why_not = "its excitation was not measured"};
+  const auto entry = entry_of(measured.inputs);
+  if (!entry)
+    return {.why_not = "its inputs are neither drives nor forces nor commanded displacements"};
+  if (seen.inputs[static_cast<std::size_t>(*entry)].cols() == 0)
+    return {.why_not = entry_without_system(*entry)};
+  const auto columns = columns_of(measured.inputs, *entry, frame, seen, p_BF);
+  if (!columns.why_not.empty()) return {.why_not = columns.why_not};
+  const Eigen::MatrixXd map = output_map(measured.outputs, frame);
+  const auto views = views_of(measured.outputs, map);
+  if (views.empty()) return {.why_not = "no output is a motion of the platform at one point"};
+  std::vector<Row> rows;
+  for (const auto& view : views) rows.push_back({.output = static_cast<int>(view.output)});
+  if (*entry == Entry::forces && !known_as_they_are(measured.inputs, measured.outputs, rows))
+    return {.why_not = "its forces and motions are at several points"};
+  const auto windows = windows_of(measured);
+  if (windows.empty()) return {.why_not = "how its estimate widens resonances is not known"};
+  ShownResponses shown;
+  const Eigen::MatrixXcd inputs = columns.of_entry.cast<Complex>();
+  for (const double f : measured.frequency) {
+    const Complex s(measured.shift, base::two_pi * f);
+    auto& H =
+        shown.H.emplace_back(Eigen::MatrixXcd::Constant(map.rows(), inputs.cols(), std::nan("")));
+    if (s == 0.0) continue;
+    std::array<std::optional<Eigen::MatrixXcd>, 6> of_views;  // per rate and ground or base
+    for (const auto& view : views) {
+      const auto rate = static_cast<std::size_t>(view.rate);
+      auto& motion = of_views[2 * rate + static_cast<std::size_t>(view.against)];
+      if (!motion) {
+        const auto& window = windows[rate];
+        motion = std::pow(s, view.rate) *
+                 seen.response(s, *entry, view.against, window ? &*window : nullptr) * inputs;
+      }
+      H.row(view.output) = map.row(view.output).cast<Complex>() * *motion;
+    }
+  }
+  return shown;
+}
 
 std::optional<Entry> entry_of(const std::vector<data::Channel>& inputs) {
   const auto all = [&](const auto& is) { return std::ranges::all_of(inputs, is); };

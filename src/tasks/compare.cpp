@@ -6,12 +6,10 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "compared_responses.hpp"
 #include "hydrapod/base/error.hpp"
-#include "hydrapod/base/units.hpp"
-#include "hydrapod/spatial/pose.hpp"
 #include "hydrapod/tasks/linear.hpp"
 #include "measured_files.hpp"
-#include "mode_differences.hpp"
 
 namespace hydrapod::tasks {
 
@@ -155,9 +153,7 @@ void add_mechanics(const modal::ModeTable& table, Side& side) {
 }
 
 /// Those of plant or controlled machine that identification would count as modes.
-void add_observed(const Machine& machine, Observed observed, Side& side) {
-  const auto seen =
-      observation::observe(machine.file.machine, machine.pose.X_BP, machine.kind, observed);
+void add_observed(const observation::Observation& seen, Side& side) {
   const double highest = identification::IdentifyOptions{}.highest_damping;
   for (const auto& mode : seen.modes) {
     const auto energy = modal::energy_shares(seen.mechanics, mode.shape.real(), mode.shape.imag());
@@ -166,26 +162,6 @@ void add_observed(const Machine& machine, Observed observed, Side& side) {
     add_mode(mode.pole, mode.omega(), mode.damping_ratio(),
              modal::mode_label(energy, mode.pole.real() < 0.0), mode.motion(),
              mode.motion(observation::MotionAgainst::base), side);
-  }
-}
-
-void add_calculated_responses(const Machine& machine, int points, Side& side) {
-  report::Bode bode;
-  try {
-    bode = tasks::bode(machine, {.points = points});
-  } catch (const base::ComputationError&) {
-    return;  // no stable mode, and no band to draw
-  }
-  for (int d = 0; d < 6; ++d) {
-    report::ComparedThing::Response response{
-        .name = fmt::format("{} from {} {}", spatial::direction_names[d],
-                            d < 3 ? "force" : "moment", spatial::direction_names[d]),
-        .unit = report::response_unit(bode.options.output, d, d)};
-    for (std::size_t k = 0; k < bode.omega.size(); ++k) {
-      response.frequency.push_back(bode.omega[k] / base::two_pi);
-      response.H.push_back(bode.real[k](d, d));
-    }
-    side.thing.responses.push_back(std::move(response));
   }
 }
 
@@ -247,7 +223,8 @@ std::string take_measured_pose(const Wanted& wanted, const std::vector<Wanted>& 
 }
 
 Side machine_side(const Wanted& wanted, const std::vector<Wanted>& all,
-                  const CompareOptions& options, Observed observed, Diagnostics& warnings) {
+                  const std::vector<Side>& measured, const CompareOptions& options,
+                  Observed observed, Diagnostics& warnings) {
   auto machine = read_machine({.file = wanted.path,
                                .overrides = wanted.overrides,
                                .pose = wanted.pose,
@@ -266,12 +243,16 @@ Side machine_side(const Wanted& wanted, const std::vector<Wanted>& all,
                     observed == Observed::mechanics ? report::mechanics_state_text(machine.file)
                                                     : report::state_text(machine.file))};
   side.modal.outputs = platform_outputs();
-  if (observed == Observed::mechanics) {
-    add_mechanics(tasks::modes(machine), side);
-    add_calculated_responses(machine, options.points, side);
-  } else {
-    add_observed(machine, observed, side);
+  const bool mechanics = observed == Observed::mechanics;
+  if (mechanics) add_mechanics(tasks::modes(machine), side);
+  const bool with_responses =
+      std::ranges::any_of(measured, [](const auto& other) { return other.responses.has_value(); });
+  if (!mechanics || with_responses) {
+    const auto seen = observation::observe(of, machine.pose.X_BP, machine.kind, observed);
+    if (!mechanics) add_observed(seen, side);
+    for (const auto& other : measured) add_shown_responses(seen, other, side);
   }
+  if (mechanics) add_calculated_responses(machine, options.points, side);
   return side;
 }
 
@@ -293,25 +274,6 @@ void add_measured(const data::ModalResults& modes, const std::vector<std::string
     if (mode.damping_deviation > 0.0) one.damping_deviation = mode.damping_deviation;
     side.thing.modes.push_back(std::move(one));
   }
-}
-
-void add_measured_responses(const identification::FrequencyResponses& all, Side& side) {
-  constexpr std::size_t most = 12;
-  const auto on_axis = data::brought_to_axis(all);
-  if (on_axis.shift > 0.0) return;  // no model brings them to the axis
-  const bool direct = all.inputs.size() == all.outputs.size();
-  for (std::size_t o = 0; o < all.outputs.size(); ++o)
-    for (std::size_t i = 0; i < all.inputs.size(); ++i) {
-      if ((direct && i != o) || side.thing.responses.size() >= most) continue;
-      report::ComparedThing::Response response{
-          .name = fmt::format("{} from {}", all.outputs[o].name, all.inputs[i].name),
-          .unit = report::response_unit(all.outputs[o].unit, all.inputs[i].unit),
-          .frequency = on_axis.frequency};
-      for (std::size_t k = 0; k < on_axis.lines(); ++k)
-        response.H.push_back(
-            on_axis.H[k](static_cast<Eigen::Index>(o), static_cast<Eigen::Index>(i)));
-      side.thing.responses.push_back(std::move(response));
-    }
 }
 
 /// The machine that a record is of, for the metric of its outputs.
@@ -343,8 +305,10 @@ Side side_of_responses(const std::string& path, const Progress& progress, Diagno
                            : "")};
   add_measured(identification::modal_results(found.modes), report::motion_words(found.modes), side);
   try {
-    add_measured_responses(shared_responses(measured, numerics::part_of(progress, identified, 1.0)),
-                           side);
+    MeasuredResponses all{
+        .responses = shared_responses(measured, numerics::part_of(progress, identified, 1.0))};
+    if (measured.machine) all.p_PQ = measured.machine->file.machine.platform.mass_center;
+    add_measured_responses(std::move(all), side);
   } catch (const std::invalid_argument&) {  // beside the axis, and no model brings them there
   }
   return side;
@@ -415,20 +379,6 @@ std::optional<Observed> common_system(const std::vector<Side>& sides) {
   return first == nullptr ? std::nullopt : first->observed;
 }
 
-/// Responses that only one thing has show nothing beside others.
-void keep_shared_responses(std::vector<report::ComparedThing>& things) {
-  using Response = report::ComparedThing::Response;
-  const auto copies = things;
-  for (auto& thing : things)
-    std::erase_if(thing.responses, [&](const Response& response) {
-      return std::ranges::count_if(copies, [&](const auto& other) {
-               return std::ranges::any_of(other.responses, [&](const Response& r) {
-                 return r.name == response.name && r.unit == response.unit;
-               });
-             }) < 2;
-    });
-}
-
 }  // namespace
 
 Compared compare(const CompareOptions& options, const Progress& progress) {
@@ -446,7 +396,7 @@ Compared compare(const CompareOptions& options, const Progress& progress) {
   const auto observed = options.observed.value_or(measured.value_or(Observed::mechanics));
   for (std::size_t k = 0; k < wanted.size(); ++k)
     if (wanted[k].is_machine)
-      sides[k] = machine_side(wanted[k], wanted, options, observed, compared.warnings);
+      sides[k] = machine_side(wanted[k], wanted, sides, options, observed, compared.warnings);
   for (const auto& side : sides)
     if (side.thing.modes.empty())
       base::refuse(side.thing.name, "has no mode that moves the platform");

@@ -15,6 +15,12 @@
 
 namespace hydrapod::tasks {
 
+/// Responses as they were estimated, where a machine can be set beside them.
+struct MeasuredResponses {
+  data::FrequencyResponses responses{};
+  std::optional<spatial::Vector3> p_PQ{};  ///< the point that was measured [m]; none: not known
+};
+
 struct Side {
   report::ComparedThing thing{};
   bool calculated{};
@@ -22,6 +28,7 @@ struct Side {
   std::vector<observation::Vector6c> base{};            ///< calculated motions against the base
   std::optional<observation::ComparisonFrame> frame{};  ///< the machine, where it is known
   std::optional<observation::Observed> observed{};      ///< what a measurement is of
+  std::optional<MeasuredResponses> responses{};
 };
 
 /// Of ω [rad/s]: that of noise, and as for targets (observation/targets.hpp) what a shape whose

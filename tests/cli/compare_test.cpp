@@ -170,6 +170,41 @@ TEST_F(Compare, AMachineIsComparedAtThePoseThatTheMeasurementStates) {
   EXPECT_THAT(stranger.err, HasSubstr("low.h5: warning: states a pose that is none of"));
 }
 
+/// The rig's record is of the very machine, its valves and its friction: what is left is noise.
+TEST_F(Compare, TheResponsesOfTheMachineLieOverThoseOfItsRecord) {
+  const auto rig = test::run_hydrapod(
+      {"rig", heavy, "--pose", "low", "--duration", "40 s", "-o", "low.h5", "--quiet"},
+      {.folder = folder.path()});
+  ASSERT_EQ(rig.exit_code, 0) << rig.err;
+  const auto found = compared({heavy, "low.h5", "--plot", "low.svg"}, folder.path());
+  const auto &machine = found["things"][0]["responses"], &record = found["things"][1]["responses"];
+  ASSERT_EQ(record.size(), 6U);
+  ASSERT_EQ(machine.size(), 6U);
+  for (std::size_t k = 0; k < 6; ++k) {
+    EXPECT_EQ(machine[k]["name"], record[k]["name"]);
+    EXPECT_EQ(machine[k]["unit"], record[k]["unit"]);
+    ASSERT_EQ(machine[k]["frequency_hz"], record[k]["frequency_hz"]);
+    double difference = 0.0, size = 0.0;
+    for (std::size_t line = 0; line < record[k]["re"].size(); ++line) {
+      const double f = record[k]["frequency_hz"][line];
+      if (f < 4.0 || f > 20.0) continue;
+      for (const char* part : {"re", "im"}) {
+        const double value = record[k][part][line];
+        size += value * value;
+        difference += std::pow(machine[k][part][line].get<double>() - value, 2);
+      }
+    }
+    EXPECT_GT(size, 0.0);
+    EXPECT_LT(std::sqrt(difference / size), 0.08) << record[k]["name"];
+  }
+  EXPECT_THAT(test::read_text(folder / "low.svg"), HasSubstr("z from drive z"));
+  const auto mechanics = compared({heavy, "low.h5", "--against", "mechanics"}, folder.path());
+  EXPECT_THAT(mechanics["things"][0]["description"].get<std::string>(),
+              HasSubstr("; no responses beside those of low.h5: its inputs are drives, which only "
+                        "the plant has"));
+  EXPECT_TRUE(mechanics["things"][1]["responses"].empty());
+}
+
 TEST_F(Compare, TheTableEndsWithTheVerdictAndCsvHasALinePerPair) {
   record("before.h5", 1733.0, 3);
   record("after.h5", 1733.0 * 1.05, 5);

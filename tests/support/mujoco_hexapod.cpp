@@ -91,9 +91,16 @@ std::string machine_text(const model::Machine& machine, const Pose& X_BP, ModelK
       "<option gravity='{}' jacobian='dense'/>\n<worldbody>\n"
       "<body name='platform' pos='{}' quat='{}'><freejoint/>{}</body>\n",
       text(machine.gravity), text(X_BP.p_BP), text(X_BP.R_BP), platform_inertial(machine.platform));
+  if (machine.base_mount) {
+    const auto& base = *machine.base_mount;
+    out += fmt::format(
+        "<body name='base'><freejoint/><inertial pos='0 0 0' mass='{}' diaginertia='{}'/>\n",
+        text(base.mass), text(base.inertia));
+  }
   for (int i = 0; i < model::leg_count; ++i)
     out += leg_text(machine, i, X_BP * machine.legs[i].platform_joint - machine.legs[i].base_joint,
                     kind, piston_axes);
+  if (machine.base_mount) out += "</body>";
   out += "</worldbody><equality>\n";
   for (int i = 0; i < model::leg_count; ++i)
     out += fmt::format("<connect body1='rod{}' body2='platform' anchor='0 0 {}'/>\n", i,
@@ -236,9 +243,10 @@ MatrixXd MujocoHexapod::allowed_motions() const {
   const MatrixXd J = constraint_jacobian();
   const int flexible = dynamics::flexible_per_leg(kind_);
   MatrixXd N = MatrixXd::Zero(nv(), dof());
-  N.topLeftCorner<6, 6>().setIdentity();
+  const int free = 6 + of_base();
+  N.topLeftCorner(free, free).setIdentity();
   for (int i = 0; i < model::leg_count; ++i) {
-    N.block(flexible_of(i), 6 + i * flexible, flexible, flexible).setIdentity();
+    N.block(flexible_of(i), free + i * flexible, flexible, flexible).setIdentity();
     const auto rows = J.middleRows<3>(3 * i);
     N.middleRows<3>(theta_of(i)) =
         -rows.middleCols<3>(theta_of(i)).partialPivLu().solve(MatrixXd(rows * N));
@@ -270,6 +278,8 @@ MatrixXd MujocoHexapod::stiffness_without_preload() const {
                across);
     if (kind_ == ModelKind::full) add_spring(i, piston(i), leg.piston_ring->stiffness, across);
   }
+  for (int k = 0; k < of_base(); ++k)
+    K(6 + k, 6 + k) += machine_.base_mount->stiffness[static_cast<std::size_t>(k)].value_or(0.0);
   return K;
 }
 

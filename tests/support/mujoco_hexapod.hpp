@@ -1,18 +1,19 @@
 #pragma once
 /// The mechanism of model::Machine in MuJoCo, built from the description alone.
 ///
-/// Platform: a free body. Each leg: two hinges at the base joint, the case, a slide along the case,
-/// (full) two lateral slides, (guide, full) two hinges at the piston, the rod. The rod's end is
-/// held to the platform joint by a `connect` constraint: 18 constraint rows, 6, 18 or 30 degrees of
-/// freedom. At the start every leg is straight.
+/// Platform: a free body; a base with a mount is another, on which the legs stand. Each leg: two
+/// hinges at the base joint, the case, a slide along the case, (full) two lateral slides, (guide,
+/// full) two hinges at the piston, the rod. The rod's end is held to the platform joint by a
+/// `connect` constraint: 18 constraint rows, 6, 18 or 30 degrees of freedom. At the start every leg
+/// is straight.
 ///
 /// FlexibleAxes::gimbal: the hinges at the base are about a1 and a2, those at the piston parallel
 /// to them, or to `piston_axes` (first axis of each leg, in its case; the second stays a2).
 /// FlexibleAxes::transverse: any two axes normal to the leg, and bodies whose axial inertia is
 /// 1e-13 kg m², the least that MuJoCo takes.
 ///
-/// Coordinates q̇ are MuJoCo's: platform origin in B, platform rotation in platform axes, then leg
-/// by leg θ1, θ2, s (, u1, u2) (, φ1, φ2).
+/// Coordinates q̇ are MuJoCo's: platform origin in B, platform rotation in platform axes, the same
+/// of a base with a mount, then leg by leg θ1, θ2, s (, u1, u2) (, φ1, φ2).
 
 #include <mujoco/mujoco.h>
 
@@ -38,13 +39,14 @@ class MujocoHexapod {
                 const PistonAxes* piston_axes = nullptr);
 
   [[nodiscard]] int nv() const { return model_->nv; }
-  [[nodiscard]] int dof() const { return dynamics::degrees_of_freedom(kind_); }
+  [[nodiscard]] int dof() const { return dynamics::degrees_of_freedom(kind_) + of_base(); }
+  [[nodiscard]] int of_base() const { return machine_.base_mount ? 6 : 0; }
   [[nodiscard]] int per_leg() const { return 3 + dynamics::flexible_per_leg(kind_); }
   [[nodiscard]] ModelKind kind() const { return kind_; }
   [[nodiscard]] const model::Machine& machine() const { return machine_; }
 
   /// Places of leg `i` in q̇.
-  [[nodiscard]] int theta_of(int i) const { return 6 + i * per_leg(); }
+  [[nodiscard]] int theta_of(int i) const { return 6 + of_base() + i * per_leg(); }
   [[nodiscard]] int extension_of(int i) const { return theta_of(i) + 2; }
   [[nodiscard]] int flexible_of(int i) const { return theta_of(i) + 3; }
 
@@ -81,7 +83,8 @@ class MujocoHexapod {
   /// nv × dof: motions that the constraints allow, per motion of the platform and of the legs'
   /// flexible coordinates.
   [[nodiscard]] MatrixXd allowed_motions() const;
-  /// nv × nv at the start: oil springs, seals and piston rings, each by MuJoCo's point Jacobians.
+  /// nv × nv at the start: oil springs, seals and piston rings, each by MuJoCo's point Jacobians,
+  /// and the mount.
   [[nodiscard]] MatrixXd stiffness_without_preload() const;
   /// nv × nv anywhere: the legs' dampers. Lateral ones see what the case sees; for
   /// FlexibleAxes::transverse that is a case which does not spin about its axis.
@@ -104,8 +107,8 @@ class MujocoHexapod {
     void operator()(mjModel* model) const { mj_deleteModel(model); }
     void operator()(mjData* data) const { mj_deleteData(data); }
   };
-  [[nodiscard]] static int case_body(int i) { return 2 + 2 * i; }
-  [[nodiscard]] static int rod_body(int i) { return 3 + 2 * i; }
+  [[nodiscard]] int case_body(int i) const { return (machine_.base_mount ? 3 : 2) + 2 * i; }
+  [[nodiscard]] int rod_body(int i) const { return case_body(i) + 1; }
   [[nodiscard]] BodyMotion body_motion(int body) const;
   [[nodiscard]] MatrixXd point_jacobian(const Vector3& point, int body) const;
   [[nodiscard]] MatrixXd rates_seen_by_case(int i, const Vector3& point) const;

@@ -194,6 +194,22 @@ struct ComparisonFrame {
 /// something else (pressures, sensors without a direction, directions of several points).
 Eigen::MatrixXd output_map(const std::vector<data::Channel>& outputs, const ComparisonFrame& frame);
 
+/// What a model shows on the channels of measured responses.
+struct ShownResponses {
+  /// Per line outputs × inputs, in units of the channels; NaN at 0 Hz, and in the rows of outputs
+  /// that see something else than the platform (see output_map()).
+  std::vector<Eigen::MatrixXcd> H{};
+  std::string why_not{};  ///< where there is none: "its inputs are …"
+};
+
+/// Responses of the observed system at the lines of `measured`, widened as that estimate widens
+/// them. Their size counts: that of forces, of commanded displacements, and of drives as shares of
+/// the range of single legs (unit 1) or brought to directions of the platform at Q as lengths of
+/// legs are (1, 1/m). `p_BF`: the point that forces act at [m].
+ShownResponses shown_responses(const data::FrequencyResponses& measured,
+                               const ComparisonFrame& frame, const Observation& seen,
+                               const spatial::Vector3& p_BF);
+
 /// Identified modes beside those of a model, each with a partner or none.
 ///
 /// The model's motion q of the mass centre gives what an output sees: a direction of Q, a leg
