@@ -139,16 +139,66 @@ void estimate(const Estimation& e, const std::vector<Index>& all, std::size_t fi
   }
 }
 
-/// Per channel the density below which a line is not excited.
-std::vector<double> quiet_levels(const CrossSpectra& spectra) {
-  constexpr double quiet = 1e-8;  // of the strongest line
-  std::vector<double> levels;
-  for (Index c = 0; c < static_cast<Index>(spectra.channels.size()); ++c) {
-    const auto density = spectra.re.col(c * (c + 3) / 2);
-    levels.push_back(quiet * density.bottomRows(spectra.lines() - 1).maxCoeff());
-  }
-  return levels;
+double density(const CrossSpectra& spectra, Index line, Index channel) {
+  return spectra.re(line, channel * (channel + 3) / 2);
 }
+
+/// Which lines channels have been excited at.
+class Excited {
+ public:
+  explicit Excited(const CrossSpectra& spectra) : spectra_(spectra) {
+    const auto channels = static_cast<Index>(spectra.channels.size());
+    for (Index c = 0; c < channels; ++c) {
+      const auto own = spectra.re.col(c * (c + 3) / 2);
+      levels_.push_back(quiet * own.bottomRows(spectra.lines() - 1).maxCoeff());
+      repeats_.push_back(spectra.options.periodic && repeats_somewhere(c));
+    }
+  }
+  /// More than rounding is left of a channel there.
+  [[nodiscard]] bool is_there(Index line, const Channels& channels) const {
+    return std::ranges::all_of(channels, [&](Index c) {
+      return density(spectra_, line, c) > levels_[static_cast<std::size_t>(c)];
+    });
+  }
+  /// Of periodic excitation: what is there is that which repeats, in all channels that do.
+  [[nodiscard]] bool repeats(Index line, const Channels& channels) const {
+    return std::ranges::all_of(channels, [&](Index c) {
+      return !repeats_[static_cast<std::size_t>(c)] || ratio(line, c) > some;
+    });
+  }
+
+ private:
+  static constexpr double quiet = 1e-8;  // of the strongest line
+  /// |mean of K periods|² > some · variance of that mean. What is in one period only, as where an
+  /// excitation is faded in, has a ratio of 1, whatever its size; noise has 1 in the mean, and more
+  /// than 10 in one line of 10⁴ if there are 12 periods or more, of 10 if there are two. Below 10
+  /// a response is a tenth too small, or more.
+  static constexpr double some = 10.0;
+  /// Channels of noise alone, as of an axis that stands still, are not asked: one in `chance` of
+  /// them would have a line that stands out of so many.
+  static constexpr double chance = 1e-3;
+
+  [[nodiscard]] double ratio(Index line, Index c) const {
+    const double noise = spectra_.noise_re(line, c * (c + 3) / 2) *
+                         static_cast<double>(spectra_.records) /
+                         static_cast<double>(spectra_.blocks);
+    return noise > 0.0 ? density(spectra_, line, c) / noise
+                       : std::numeric_limits<double>::infinity();
+  }
+  [[nodiscard]] bool repeats_somewhere(Index c) const {
+    const double R = spectra_.records, d = static_cast<double>(spectra_.blocks) - R;
+    if (!(d > 0.0)) return false;
+    const double much = numerics::fisher_quantile(
+        1.0 - chance / static_cast<double>(spectra_.lines()), 2.0 * R, 2.0 * d);
+    for (Index line = 1; line < spectra_.lines(); ++line)
+      if (ratio(line, c) > much && density(spectra_, line, c) > 0.0) return true;
+    return false;
+  }
+
+  const CrossSpectra& spectra_;
+  std::vector<double> levels_{};
+  std::vector<bool> repeats_{};
+};
 
 /// The same on several threads, which begin sooner than so many lines are done.
 int threads_for(const CrossSpectra& spectra, std::size_t lines) {
@@ -160,24 +210,21 @@ int threads_for(const CrossSpectra& spectra, std::size_t lines) {
 
 VectorXd input_conditions(const CrossSpectra& spectra, const Channels& inputs,
                           const Channels& others) {
-  const auto quiet = quiet_levels(spectra);
-  const auto excited = [&](Index line, const Channels& channels) {
-    return std::ranges::all_of(channels, [&](Index c) {
-      return spectra.re(line, c * (c + 3) / 2) > quiet[static_cast<std::size_t>(c)];
-    });
-  };
+  const Excited excited(spectra);
   VectorXd conditions =
       VectorXd::Constant(spectra.lines(), std::numeric_limits<double>::infinity());
   std::vector<Index> lines;
   for (Index line = 0; line < spectra.lines(); ++line)
-    if (excited(line, inputs) && excited(line, others)) lines.push_back(line);
+    // instruments tell what repeats; of inputs beside them noise makes nothing smaller
+    if (excited.is_there(line, inputs) && excited.is_there(line, others) &&
+        excited.repeats(line, others))
+      lines.push_back(line);
   const std::size_t groups = (lines.size() + together - 1) / together;
   numerics::parallel_for(groups, threads_for(spectra, lines.size()), [&](std::size_t group) {
     const auto own = lines_from(lines, group * together);
     LineMatrix A = SomeSpectra(spectra.re, spectra.im, own).part(inputs, others);
     const auto scale = [&](int channel, int k) {
-      const Index c = channel;
-      return 1.0 / std::sqrt(spectra.re(own[static_cast<std::size_t>(k)], c * (c + 3) / 2));
+      return 1.0 / std::sqrt(density(spectra, own[static_cast<std::size_t>(k)], channel));
     };
     for (Index i = 0; i < A.rows(); ++i)
       for (Index j = 0; j < A.cols(); ++j)

@@ -178,38 +178,68 @@ TEST(Responses, H2AndHvBoundTheNoiseOnTheInputs) {
   EXPECT_LT(hv, 1.02 * h2);
 }
 
-TEST(Responses, PeriodicExcitationOverThreeRecordsIsExactWithoutNoise) {
-  // random-phase multisines with signs by a Hadamard-like matrix: the inputs are independent
-  const auto system = plant();
-  const int n = 500, periods = 6;
+constexpr int period = 500, first_line = 5, last_line = 150;
+
+/// Random-phase multisines with signs by a Hadamard-like matrix: over three records of six periods
+/// the inputs are independent. They begin so many samples before the records. `fade`: what the
+/// inputs are multiplied by, t counting from the beginning of a record.
+template <class Fade>
+CrossSpectra multisine_spectra(const test::ModalSystem& system, int before, const Fade& fade,
+                               double noise_of_last_input = 0.0) {
   SpectrumEstimator estimator(test::header_of(3, 3, sample_rate),
-                              {.block_length = n, .periodic = true});
+                              {.block_length = period, .periodic = true});
   test::Random random(31);
-  std::vector<double> base(n, 0.0);
-  for (int k = 5; k <= 150; ++k) {
+  std::vector<double> base(period, 0.0);
+  for (int k = first_line; k <= last_line; ++k) {
     const double phase = random.uniform(0.0, 6.28);
-    for (int t = 0; t < n; ++t)
-      base[static_cast<size_t>(t)] += std::cos(2.0 * M_PI * k * t / n + phase);
+    for (int t = 0; t < period; ++t)
+      base[static_cast<size_t>(t)] += std::cos(2.0 * M_PI * k * t / period + phase);
   }
   Eigen::Matrix3d mix;
   mix << 1, 1, 1, 1, -1, 0.5, 1, 0.3, -1;
   for (int experiment = 0; experiment < 3; ++experiment) {
     test::ModalRun run(system, 1.0 / sample_rate);
-    data::Samples samples(periods * n, 6);
-    for (int t = -10 * n; t < periods * n; ++t) {
-      const Eigen::VectorXd u = mix.col(experiment) * base[static_cast<size_t>((t % n + n) % n)];
+    data::Samples samples(6 * period, 6);
+    for (int t = -before; t < samples.rows(); ++t) {
+      Eigen::VectorXd u =
+          mix.col(experiment) * fade(t) * base[static_cast<size_t>((t % period + period) % period)];
+      if (noise_of_last_input > 0.0) u[2] = noise_of_last_input * test::normal(random);
       if (t >= 0) samples.row(t) << u.transpose(), run.output().transpose();
       run.advance(u);
     }
     estimator.begin_record();
     estimator.add(samples);
   }
-  const auto r = estimate_responses(estimator.result(), from_excitation, Estimator::h1);
+  return estimator.result();
+}
+
+constexpr auto steady = [](int) { return 1.0; };
+
+TEST(Responses, PeriodicExcitationOverThreeRecordsIsExactWithoutNoise) {
+  const auto system = plant();
+  const auto r = estimate_responses(multisine_spectra(system, 10 * period, steady), from_excitation,
+                                    Estimator::h1);
   EXPECT_EQ(r.lines(), 146u);  // the excited lines, no other
   for (std::size_t k = 0; k < r.lines(); ++k) {
     const auto truth = system.sampled_response(r.frequency[k], 1.0 / sample_rate);
     EXPECT_LT((r.H[k] - truth).norm(), 1e-9 * truth.norm()) << r.frequency[k];
   }
+}
+
+TEST(Responses, AFadeInBeforePeriodicExcitationExcitesNoLine) {
+  // in the first period the input is at all lines, by far more than rounding
+  const auto fade = [](int t) { return std::clamp(t / 50.0, 0.0, 1.0); };
+  const auto s = multisine_spectra(plant(), 0, fade);
+  EXPECT_GT(s.at(last_line + 30)(0, 0).real(), 1e-8 * s.at(last_line)(0, 0).real());
+  const auto r = estimate_responses(s, from_excitation, Estimator::h1);
+  ASSERT_EQ(r.lines(), 146u);
+  EXPECT_NEAR(r.frequency.front(), s.frequency(first_line), 1e-9);
+  EXPECT_NEAR(r.frequency.back(), s.frequency(last_line), 1e-9);
+}
+
+TEST(Responses, AnInputThatStandsStillLeavesThePeriodicOnesTheirLines) {
+  const auto s = multisine_spectra(plant(), 10 * period, steady, 1e-4);
+  EXPECT_EQ(estimate_responses(s, from_excitation, Estimator::h1).lines(), 146u);
 }
 
 TEST(Responses, ADeadOutputIsLeftOutAndADeadInputHasNoResponses) {
