@@ -189,6 +189,7 @@ void take_description(const FrequencyResponses& described, Notes& notes, Frequen
   all.averages = described.averages;
   all.degrees = described.degrees;
   all.line_covariance = described.line_covariance;
+  all.leakage = described.leakage;
   all.shift = described.shift;
   all.taper = described.taper;
   all.sample_rate = described.sample_rate;

@@ -54,8 +54,11 @@ void add_growth(double rate, Parity& parity) {
 
 /// Of a continuous or a sampled system; 0 where nothing grows beyond rounding.
 double growth(const StateSpace& system) {
-  const Eigen::VectorXcd poles = numerics::eigenvalues(system.A);
-  if (poles.size() == 0) return 0.0;
+  if (system.A.size() == 0) return 0.0;
+  // pressures beside lengths: without balancing slow poles are rounded away
+  const Eigen::VectorXd d = numerics::balancing(system.A);
+  const Eigen::VectorXcd poles =
+      numerics::eigenvalues(d.cwiseInverse().asDiagonal() * system.A * d.asDiagonal());
   constexpr double rounding = 1e-9;
   if (system.sample_time > 0.0) {
     const double largest = poles.cwiseAbs().maxCoeff();

@@ -91,15 +91,17 @@ class Propagation {
     const auto& leakage = responses_.leakage;
     const std::vector<Complex> a(leakage.line_covariance.begin(), leakage.line_covariance.end()),
         b(leakage.relation.begin(), leakage.relation.end());
-    double sum = 0.0;
+    double alone = 0.0, related = 0.0;
     for (Index j = 0; j < p; ++j) {
       const auto& own = z[static_cast<size_t>(j)];
-      sum += own.conjugate().cwiseProduct(smoothed(own, a)).real().sum();
-      const MatrixXcd related = smoothed(own, b);
+      alone += own.conjugate().cwiseProduct(smoothed(own, a)).real().sum();
+      const MatrixXcd S = smoothed(own, b);
       for (Index i = 0; i < p; ++i)
-        sum += z[static_cast<size_t>(i)].col(j).cwiseProduct(related.col(i)).real().sum();
+        related += z[static_cast<size_t>(i)].col(j).cwiseProduct(S.col(i)).real().sum();
     }
-    return 0.5 * sum;
+    // of the first order: where it says that nothing is left, higher ones are
+    constexpr double beyond_first_order = 0.05;
+    return 0.5 * std::max(alone + related, beyond_first_order * alone);
   }
 
   /// The outputs' noise without leakage, each to its own deviation: cov(e_o, e_p*), o outputs + p.
@@ -338,9 +340,10 @@ void add_deviations(const FitSystem& system, const FrequencyResponses& responses
       const auto at = static_cast<size_t>(o);
       const MatrixXd by_poles = numerics::times(N_inverse, X[at].middleRows<2>(2 * r).transpose());
       const double of_own =
-          let_in.D.empty() ? 0.5 * neighbours * own_inverse[at].block<2, 2>(2 * r, 2 * r).trace()
-                         : propagation.variance({own[at] * own_inverse[at].col(2 * r)}, o) +
-                               propagation.variance({own[at] * own_inverse[at].col(2 * r + 1)}, o);
+          let_in.D.empty()
+              ? 0.5 * neighbours * own_inverse[at].block<2, 2>(2 * r, 2 * r).trace()
+              : propagation.variance({own[at] * own_inverse[at].col(2 * r)}, o) +
+                    propagation.variance({own[at] * own_inverse[at].col(2 * r + 1)}, o);
       mode.shape_deviation[o] =
           std::sqrt(variance(by_poles.col(0)) + variance(by_poles.col(1)) + scale * of_own);
     }

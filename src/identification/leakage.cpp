@@ -7,27 +7,37 @@
 
 #include "hydrapod/numerics/statistics.hpp"
 #include "line_weights.hpp"
+#include "pole_basis.hpp"
 
 namespace hydrapod::identification {
 
 namespace {
 
-/// dH/dω [per rad/s].
-MatrixXcd slope_of(const ModalModel& model, double frequency) {
+/// dH/dω [s] at all lines, of the responses as the window widens them: g depends on λ − iω alone.
+std::vector<MatrixXcd> slopes_of(const FrequencyResponses& responses, const ModalModel& model) {
   constexpr Complex i(0.0, 1.0);
-  const Complex s = i * two_pi * frequency;
-  MatrixXcd slope = MatrixXcd::Zero(model.residuals[0].rows(), model.residuals[0].cols());
+  const PoleBasis basis(responses, true);
+  std::vector<MatrixXcd> slopes(
+      responses.lines(), MatrixXcd::Zero(model.residuals[0].rows(), model.residuals[0].cols()));
   for (const auto& mode : model.modes) {
     const MatrixXcd A = mode.shape * mode.participation.transpose();
-    slope -= A / std::pow(s - mode.pole, 2) + A.conjugate() / std::pow(s - std::conj(mode.pole), 2);
+    const auto lines = basis.at(mode.pole);
+    for (std::size_t k = 0; k < slopes.size(); ++k) {
+      const auto at = static_cast<Index>(k);
+      slopes[k] -= i * (lines.slope[at] * A + lines.slope_conjugate[at] * A.conjugate());
+    }
   }
-  int power = lowest_residual_power;
-  for (const auto& C : model.residuals) {
-    if (power != 0)
-      slope += static_cast<double>(power) / s * std::pow(s / model.omega_scale, power) * C;
-    ++power;
+  for (std::size_t k = 0; k < slopes.size(); ++k) {
+    const Complex s = i * two_pi * responses.frequency[k];
+    int power = lowest_residual_power;
+    for (const auto& C : model.residuals) {
+      if (power != 0)
+        slopes[k] +=
+            i * (static_cast<double>(power) / s * std::pow(s / model.omega_scale, power)) * C;
+      ++power;
+    }
   }
-  return i * slope;
+  return slopes;
 }
 
 /// Noise by what of it would be leakage, at the tenth of the lines that have most leakage.
@@ -57,8 +67,9 @@ LeakageParts leakage_parts(const FrequencyResponses& responses, const ModalModel
     return {};
   LeakageParts parts;
   const auto lines = static_cast<Index>(responses.lines()), outputs = responses.H[0].rows();
+  auto slopes = slopes_of(responses, model);
   for (std::size_t k = 0; k < responses.lines(); ++k) {
-    const MatrixXcd half = slope_of(model, responses.frequency[k]) * std::sqrt(leakage.rate);
+    const MatrixXcd half = slopes[k] * std::sqrt(leakage.rate);
     // L Lᴴ = Q: half L⁻ᴴ
     const Eigen::LLT<MatrixXcd> Q(responses.input_factor[k]);
     parts.D.push_back(Q.matrixL().solve(half.adjoint()).adjoint());
@@ -72,7 +83,9 @@ LeakageParts leakage_parts(const FrequencyResponses& responses, const ModalModel
       ratio[k] =
           responses.noise[at](o, o).real() / std::max(parts.D[at].row(o).squaredNorm(), 1e-300);
     }
-    ratio = running_mean(ratio, reach);
+    // beside a resonance leakage is little, and the mean says nothing of its middle
+    constexpr double scatter = 2.0;
+    ratio = running_mean(ratio, reach).cwiseMin(scatter * ratio).eval();
     for (Index k = 0; k < lines; ++k)
       parts.D[static_cast<std::size_t>(k)].row(o) *= std::sqrt(std::min(1.0, ratio[k]));
     parts.share.col(o) = ratio.cwiseMax(1.0).cwiseInverse();

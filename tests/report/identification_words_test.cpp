@@ -117,7 +117,13 @@ std::vector<identification::ModeWarning> mode_warnings() {
            .total = 9},
           {.kind = Kind::peaks_above, .value = 131.23, .from = 4.0, .to = 110.25, .count = 1},
           {.kind = Kind::conjugated, .value = 0.021, .from = 1.2, .to = 15.8, .share = 0.93},
-          {.kind = Kind::window, .value = 16.0, .from = 1.0, .to = 19.0625, .window = "hann"}};
+          {.kind = Kind::window, .value = 16.0, .from = 1.0, .to = 19.0625, .window = "hann"},
+          {.kind = Kind::twins,
+           .value = 1.7,
+           .from = 43.264,
+           .to = 43.882,
+           .count = 2,
+           .total = 5}};
 }
 
 /// Every kind has its example, and each stands word for word in docs/howto/identify.md.

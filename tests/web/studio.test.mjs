@@ -199,7 +199,7 @@ test('a damaged record gives its message, and the page goes on', async () => {
 test('a job shows its progress and the time left, and is cancelled', async () => {
   const page = await openStudio();
   await page.locator('[data-control="job-kind"]').selectOption('rig');
-  await page.locator('[data-field-of-job="duration"]').fill('3000 s');
+  await page.locator('[data-field-of-job="duration"]').fill('9000 s');
   await page.locator('[data-field-of-job="output"]').fill('long.h5');
   await page.locator('[data-control="start-job"]').click();
   await page.waitForFunction(() => /^\d+ %, .* left$/.test(document.querySelector('.job[data-state="running"] .job-state')?.textContent ?? ''));
