@@ -202,7 +202,7 @@ TEST_P(DescribedResponses, ThatAreDamagedAreLeftAsideWithANote) {
                                  {"\"taper\":[1.0", "\"taper\":[1e9"},
                                  {"\"sample_rate_hz\":62.5", "\"sample_rate_hz\":-2.5"},
                                  {"\"estimator\":\"iv\"", "\"estimator\":\"hx\""},
-                                 {"\"relation\":[0.3", "\"relation\":[3"},
+                                 {"\"relation\":[0.3", "\"relation\":[9.3"},
                                  {"\"outputs\":3", "\"outputs\":5"},
                                  {"\"line_covariance\":{", "\"line_covariance\" {"}}) {
     SCOPED_TRACE(to);
