@@ -189,6 +189,17 @@ class Propagation {
   std::optional<OutputErrors> errors_;
 };
 
+/// Derivatives of each output by its own parameters.
+std::vector<MatrixXd> own_derivatives(const FitSystem& system, const FitState& state) {
+  const Index shared = system.shared_count(state.shared.poles.size());
+  std::vector<MatrixXd> own;
+  for (Index o = 0; o < system.outputs(); ++o) {
+    const MatrixXd T = system.derivatives(state, o);
+    own.emplace_back(T.rightCols(T.cols() - shared));
+  }
+  return own;
+}
+
 /// Errors of the shape of one mode of half spectra. Only its ratios mean anything: deviations are
 /// √E|δφ_o − φ_o/φ_m δφ_m|², m the largest.
 class ShapeErrors {
@@ -196,13 +207,11 @@ class ShapeErrors {
   ShapeErrors(const FitSystem& system, const FitState& state, const Propagation& propagation,
               const std::vector<MatrixXd>& X, const std::vector<MatrixXd>& own_inverse,
               const MatrixXd& N_inverse)
-      : propagation_(propagation), X_(X), own_inverse_(own_inverse), N_inverse_(N_inverse) {
-    const Index shared = system.shared_count(state.shared.poles.size());
-    for (Index o = 0; o < system.outputs(); ++o) {
-      const MatrixXd T = system.derivatives(state, o);
-      own_.emplace_back(T.rightCols(T.cols() - shared));
-    }
-  }
+      : propagation_(propagation),
+        X_(X),
+        own_inverse_(own_inverse),
+        N_inverse_(N_inverse),
+        own_(own_derivatives(system, state)) {}
 
   /// |φ_o|²/E|δφ_o|², the best of the outputs that move most in proportion to their `sizes`.
   /// Entries err together, so that their sum is no measure.
@@ -317,12 +326,8 @@ void add_deviations(const FitSystem& system, const FrequencyResponses& responses
   if (responses.whole) shape_errors.emplace(system, state, propagation, X, own_inverse, N_inverse);
   const VectorXd sizes = row_sizes(responses);
   const double neighbours = lines_in_step(responses);
-  std::vector<MatrixXd> own;  // derivatives by own parameters
-  if (asked == Deviations::all && !let_in.D.empty())
-    for (Index o = 0; o < system.outputs(); ++o) {
-      const MatrixXd T = system.derivatives(state, o);
-      own.emplace_back(T.rightCols(T.cols() - shared));
-    }
+  const bool by_parts = asked == Deviations::all && !let_in.D.empty();
+  const auto own = by_parts ? own_derivatives(system, state) : std::vector<MatrixXd>();
   for (Index r = 0; r < modes; ++r) {
     auto& mode = model.modes[static_cast<size_t>(r)];
     const auto [omega, zeta] = frequency_and_damping(mode.pole);

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "hydrapod/numerics/statistics.hpp"
@@ -40,23 +41,31 @@ std::vector<MatrixXcd> slopes_of(const FrequencyResponses& responses, const Moda
   return slopes;
 }
 
-/// Noise by what of it would be leakage, at the tenth of the lines that have most leakage.
+/// Noise by what of it would be leakage, at the lines that have most leakage.
 double noise_by_leakage(const FrequencyResponses& r, const std::vector<MatrixXcd>& factors) {
-  constexpr std::size_t fewest = 8, share = 10;
   std::vector<double> ratios;
   for (Index o = 0; o < r.H[0].rows(); ++o) {
-    std::vector<std::pair<double, std::size_t>> most;
-    for (std::size_t k = 0; k < r.lines(); ++k)
-      most.emplace_back(factors[k].row(o).squaredNorm(), k);
-    std::ranges::sort(most, std::greater{});
-    most.resize(std::min(most.size(), std::max(fewest, most.size() / share)));
-    for (const auto& [leak, k] : most)
-      if (leak > 0.0) ratios.push_back(r.noise[k](o, o).real() / leak);
+    VectorXd leak(std::ssize(factors));
+    for (Index k = 0; k < leak.size(); ++k)
+      leak[k] = factors[static_cast<std::size_t>(k)].row(o).squaredNorm();
+    for (const auto k : largest_tenth(leak))
+      if (const double one = leak[static_cast<Index>(k)]; one > 0.0)
+        ratios.push_back(r.noise[k](o, o).real() / one);
   }
   return ratios.empty() ? 0.0 : numerics::upper_median(std::move(ratios));
 }
 
 }  // namespace
+
+std::vector<std::size_t> largest_tenth(const VectorXd& values) {
+  constexpr std::size_t fewest = 8, share = 10;
+  std::vector<std::size_t> order(static_cast<std::size_t>(values.size()));
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::sort(order, std::greater{},
+                    [&](std::size_t k) { return std::pair(values[static_cast<Index>(k)], k); });
+  order.resize(std::min(order.size(), std::max(fewest, order.size() / share)));
+  return order;
+}
 
 LeakageParts leakage_parts(const FrequencyResponses& responses, const ModalModel& model,
                            const FitOptions& options) {

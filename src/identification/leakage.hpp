@@ -6,6 +6,9 @@
 
 namespace hydrapod::identification {
 
+/// Numbers of the tenth of the values that are largest, of 8 where there are few.
+std::vector<std::size_t> largest_tenth(const VectorXd& values);
+
 /// H errs by D g C⁻¹, see data::Leakage.
 struct LeakageParts {
   std::vector<MatrixXcd> D{};  ///< R H' Q⁻¹ H'ᴴ = D Dᴴ per line, outputs × inputs

@@ -23,12 +23,15 @@ double height(const FittedMode& mode) {
   return mode.shape.norm() * mode.participation.norm() / std::abs(mode.pole.real());
 }
 
-/// [rad/s] of the widest window that is known.
+/// [rad/s] of the widest window that is known; 0: too few responses, which have the same shape
+/// easily.
 double main_lobe(const FrequencyResponses& r) {
   constexpr double wide = 5.0;  // lines
-  return r.lines() < 2 ? 0.0
-                       : wide * two_pi * (r.frequency.back() - r.frequency.front()) /
-                             static_cast<double>(r.lines() - 1);
+  constexpr Index told_by = 3;
+  return r.lines() < 2 || std::ssize(r.outputs) * std::ssize(r.inputs) < told_by
+             ? 0.0
+             : wide * two_pi * (r.frequency.back() - r.frequency.front()) /
+                   static_cast<double>(r.lines() - 1);
 }
 
 }  // namespace
@@ -79,11 +82,8 @@ bool has_twins(const Identification& found) {
 
 void warn_of_twins(const IdentifyOptions& options, Identification& result) {
   constexpr double quality = 0.3;
-  constexpr Index told_by = 3;  // fewer responses have the same shape easily
   const auto& r = result.responses;
-  if (!result.errors_assumed || result.model.error < options.window.least_left ||
-      std::ssize(r.outputs) * std::ssize(r.inputs) < told_by)
-    return;
+  if (!result.errors_assumed || result.model.error < options.window.least_left) return;
   ModeWarning warning{.kind = ModeWarning::Kind::twins, .total = std::ssize(result.modes)};
   for (const auto& group : twin_groups(result.modes, main_lobe(r))) {
     if (group.size() < 2) continue;

@@ -7,6 +7,7 @@
 
 #include "fit_covariance.hpp"
 #include "hydrapod/numerics/statistics.hpp"
+#include "leakage.hpp"
 #include "line_weights.hpp"
 #include "names.hpp"
 #include "prune.hpp"
@@ -119,15 +120,14 @@ double mean_by_median(std::vector<double> squares) {
 /// 1/K: mean square of the residual over `leak` at the tenth of the lines that have most of it.
 double per_block(const FrequencyResponses& r, const data::PerLine<MatrixXcd>& rest,
                  const std::vector<MatrixXcd>& leak) {
-  constexpr std::size_t fewest = 8, share = 10;
   std::vector<double> ratios;
   for (Index o = 0; o < r.H[0].rows(); ++o) {
-    std::vector<std::pair<double, std::size_t>> most;
-    for (std::size_t k = 0; k < r.lines(); ++k)
-      most.emplace_back(leak[k](o, o).real() / r.noise[k](o, o).real(), k);
-    std::ranges::sort(most, std::greater{});
-    most.resize(std::min(most.size(), std::max(fewest, most.size() / share)));
-    for (const auto& [by_noise, k] : most)
+    VectorXd by_noise(std::ssize(leak));
+    for (Index k = 0; k < by_noise.size(); ++k) {
+      const auto at = static_cast<std::size_t>(k);
+      by_noise[k] = leak[at](o, o).real() / r.noise[at](o, o).real();
+    }
+    for (const auto k : largest_tenth(by_noise))
       for (Index i = 0; i < r.H[0].cols(); ++i)
         ratios.push_back(std::norm(rest[k](o, i)) /
                          (r.input_factor[k](i, i).real() * leak[k](o, o).real()));

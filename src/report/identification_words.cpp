@@ -27,6 +27,15 @@ const char* words(identification::PoleStability stability) {
 
 namespace {
 
+/// Windows that are named after somebody have a capital letter.
+std::string window_words(const std::string& name) {
+  if (name == "rectangular") return "without a window";
+  if (name == "hann") return "with a Hann window";
+  if (name == "hamming") return "with a Hamming window";
+  if (name == "blackman-harris") return "with a Blackman-Harris window";
+  return fmt::format("with a {} window", name);
+}
+
 std::string motion_text(const identification::IdentifiedMode& mode, const Eigen::VectorXd& size,
                         const std::vector<data::Channel>& outputs) {
   // of repeated modes the fit has some mixture
@@ -402,7 +411,7 @@ std::string warning_text(const identification::ModeWarning& w) {
           "the responses are averages of blocks of {:.3g} s {}, which widens their "
           "resonances: with this effect modes explain them far better from {:.4g} Hz to {:.4g} Hz; "
           "the frequencies and damping ratios are those without it",
-          w.value, w.window == "hann" ? "with a Hann window" : "without a window", w.from, w.to);
+          w.value, window_words(w.window), w.from, w.to);
   }
   return {};
 }

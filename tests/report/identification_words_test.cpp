@@ -90,40 +90,36 @@ std::vector<data::ResponseWarning> response_warnings() {
 
 std::vector<identification::ModeWarning> mode_warnings() {
   using Kind = identification::ModeWarning::Kind;
-  return {{.kind = Kind::no_mode, .from = 1.0, .to = 20.0},
-          {.kind = Kind::few_samples, .value = 5.04},
-          {.kind = Kind::misfit, .value = 3.21},
-          {.kind = Kind::unexplained,
-           .value = 41.3,
-           .from = 12.31,
-           .to = 19.7,
-           .smooth = 0.923,
-           .share = 0.0961,
-           .output = "y7",
-           .input = "u1",
-           .count = 3,
-           .total = 26},
-          {.kind = Kind::wanders,
-           .value = 12.312,
-           .from = 12.214,
-           .to = 12.401,
-           .share = 0.234,
-           .count = 4},
-          {.kind = Kind::short_blocks,
-           .value = 16.384,
-           .from = 8.5062,
-           .to = 0.0575,
-           .count = 2,
-           .total = 9},
-          {.kind = Kind::peaks_above, .value = 131.23, .from = 4.0, .to = 110.25, .count = 1},
-          {.kind = Kind::conjugated, .value = 0.021, .from = 1.2, .to = 15.8, .share = 0.93},
-          {.kind = Kind::window, .value = 16.0, .from = 1.0, .to = 19.0625, .window = "hann"},
-          {.kind = Kind::twins,
-           .value = 1.7,
-           .from = 43.264,
-           .to = 43.882,
-           .count = 2,
-           .total = 5}};
+  return {
+      {.kind = Kind::no_mode, .from = 1.0, .to = 20.0},
+      {.kind = Kind::few_samples, .value = 5.04},
+      {.kind = Kind::misfit, .value = 3.21},
+      {.kind = Kind::unexplained,
+       .value = 41.3,
+       .from = 12.31,
+       .to = 19.7,
+       .smooth = 0.923,
+       .share = 0.0961,
+       .output = "y7",
+       .input = "u1",
+       .count = 3,
+       .total = 26},
+      {.kind = Kind::wanders,
+       .value = 12.312,
+       .from = 12.214,
+       .to = 12.401,
+       .share = 0.234,
+       .count = 4},
+      {.kind = Kind::short_blocks,
+       .value = 16.384,
+       .from = 8.5062,
+       .to = 0.0575,
+       .count = 2,
+       .total = 9},
+      {.kind = Kind::peaks_above, .value = 131.23, .from = 4.0, .to = 110.25, .count = 1},
+      {.kind = Kind::conjugated, .value = 0.021, .from = 1.2, .to = 15.8, .share = 0.93},
+      {.kind = Kind::window, .value = 16.0, .from = 1.0, .to = 19.0625, .window = "hann"},
+      {.kind = Kind::twins, .value = 1.7, .from = 43.264, .to = 43.882, .count = 2, .total = 5}};
 }
 
 /// Every kind has its example, and each stands word for word in docs/howto/identify.md.
@@ -136,6 +132,17 @@ void expect_documented(const std::vector<Warning>& all) {
   }
   const Warning beyond{.kind = static_cast<typename Warning::Kind>(all.size())};
   EXPECT_EQ(warning_text(beyond), "") << "a kind without an example";
+}
+
+TEST(IdentificationWords, NameTheWindowThatWasTaken) {
+  for (const auto& [name, words] : {std::pair{"hann", "with a Hann window"},
+                                    {"rectangular", "without a window"},
+                                    {"hamming", "with a Hamming window"},
+                                    {"blackman-harris", "with a Blackman-Harris window"},
+                                    {"flat-top", "with a flat-top window"}})
+    EXPECT_THAT(warning_text(identification::ModeWarning{
+                    .kind = identification::ModeWarning::Kind::window, .window = name}),
+                HasSubstr(words));
 }
 
 TEST(IdentificationWords, EveryWarningHasAnExampleInTheHowTo) {
