@@ -169,45 +169,6 @@ std::unique_ptr<RecordReader> open_damaged_reader(const std::string& path,
 
 namespace {
 
-bool same_channels(const RecordHeader& a, const RecordHeader& b) {
-  return a.sample_rate == b.sample_rate &&
-         std::ranges::equal(a.channels, b.channels, {}, &Channel::name, &Channel::name);
-}
-
-bool same_unit(const std::string& a, const std::string& b) {
-  if (a == b) return true;
-  if (a.empty() || b.empty() || a == "1" || b == "1" || !base::si_unit(a) || !base::si_unit(b))
-    return false;
-  return base::read_quantity("1 " + a, b).ok();
-}
-
-/// One number of another unit in an average makes all of it wrong.
-void refuse_other_units(const RecordHeader& first, const RecordHeader& other,
-                        const std::string& first_file, const std::string& file) {
-  const auto words = [](const std::string& unit) {
-    return unit.empty() ? std::string("no unit") : base::printable(unit, 30);
-  };
-  for (std::size_t c = 0; c < first.channels.size(); ++c) {
-    const auto &one = first.channels[c], &two = other.channels[c];
-    if (!same_unit(one.unit, two.unit))
-      base::refuse(file, fmt::format("{} is in {} and in {} it is in {}: records that are averaged "
-                                     "together have the same units, or such that lead to SI",
-                                     base::printable(two.name), words(two.unit), first_file,
-                                     words(one.unit)));
-  }
-}
-
-/// Channels that differ in the names of those that drive alone.
-bool differ_in_inputs(const RecordHeader& a, const RecordHeader& b) {
-  if (a.sample_rate != b.sample_rate || same_channels(a, b)) return false;
-  const auto drives = [](const Channel& channel) {
-    return channel.role == Role::excitation || channel.role == Role::drive;
-  };
-  return std::ranges::equal(a.channels, b.channels, [&](const Channel& one, const Channel& other) {
-    return one.name == other.name || (drives(one) && drives(other));
-  });
-}
-
 /// A column of frequencies and none of times in the title row.
 bool is_mode_table(const std::string& path) {
   base::TableReader table(path);
@@ -288,107 +249,6 @@ ReadFrequencyResponsesResult read_frequency_responses(const std::string& path) {
   return begins_as_uff(head) ? read_uff_responses(path) : read_response_table(path);
 }
 
-namespace {
-
-/// It would count twice in every average.
-void refuse_repeated(const std::vector<std::string>& files) {
-  for (std::size_t k = 1; k < files.size(); ++k)
-    for (std::size_t before = 0; before < k; ++before) {
-      std::error_code absent;
-      if (std::filesystem::equivalent(files[k], files[before], absent))
-        base::refuse(files[k], fmt::format("is given twice, as {} before; it would count twice",
-                                           files[before]));
-    }
-}
-
-}  // namespace
-
-RecordSet::RecordSet(std::vector<std::string> files, const ReadOptions& options)
-    : files_(std::move(files)), counts_(files_.size()) {
-  if (files_.empty()) throw std::invalid_argument("RecordSet: no file is named");
-  refuse_repeated(files_);
-  for (std::size_t k = 0; k < files_.size(); ++k) {
-    readers_.push_back(open_reader(files_[k], options));
-    if (differ_in_inputs(header(), header(k)))
-      base::refuse(files_[k], "other inputs than " + files_[0] +
-                                  ": records of several inputs, as those of a hammer that roves "
-                                  "from point to point, are not combined; identify each record by "
-                                  "itself, or give the responses to all inputs as one file");
-    if (!same_channels(header(), header(k)))
-      base::refuse(files_[k],
-                   fmt::format("other channels or another sample rate than {}: records that "
-                               "are averaged together have the same",
-                               files_[0]));
-    refuse_other_units(header(), header(k), files_[0], files_[k]);
-    counts_[k] = readers_[k]->sample_count();
-  }
-}
-
-RecordSet::RecordSet(RecordSet&&) noexcept = default;
-RecordSet& RecordSet::operator=(RecordSet&&) noexcept = default;
-RecordSet::~RecordSet() = default;
-
-RecordFormat RecordSet::format(std::size_t file) const { return readers_.at(file)->format(); }
-
-const RecordHeader& RecordSet::header(std::size_t file) const {
-  return readers_.at(file)->header();
-}
-
-std::optional<std::int64_t> RecordSet::sample_count() const {
-  std::int64_t sum = 0;
-  for (const auto& count : counts_) {
-    if (!count) return {};
-    sum += *count;
-  }
-  return sum;
-}
-
-std::int64_t RecordSet::count_samples(std::size_t file) {
-  if (!counts_.at(file)) stream_file(file, [](auto, const auto&) { return true; });
-  return *counts_[file];
-}
-
-bool RecordSet::stream_file(std::size_t file, const Use& use) {
-  RecordReader& reader = *readers_[file];
-  reader.rewind();
-  Samples block = make_block(reader.header());
-  std::int64_t samples = 0;
-  while (const std::int64_t rows = reader.read(block)) {
-    samples += rows;
-    blank(file, samples - rows, block.topRows(rows));
-    if (!use(file, block.topRows(rows))) return false;
-  }
-  counts_[file] = samples;
-  return true;
-}
-
-bool RecordSet::stream(const Use& use) {
-  for (std::size_t k = 0; k < readers_.size(); ++k)
-    if (!stream_file(k, use)) return false;
-  return true;
-}
-
-void RecordSet::take_as_missing(std::vector<Stretch> stretches) { missing_ = std::move(stretches); }
-
-/// `block`: samples of the file from `first` on.
-void RecordSet::blank(std::size_t file, std::int64_t first, Eigen::Ref<Samples> block) const {
-  for (const Stretch& stretch : missing_) {
-    const std::int64_t begin = std::max(stretch.begin, first),
-                       end = std::min<std::int64_t>(stretch.end, first + block.rows());
-    if (stretch.file == file && begin < end)
-      block.col(static_cast<Eigen::Index>(stretch.channel))
-          .segment(begin - first, end - begin)
-          .setConstant(std::numeric_limits<double>::quiet_NaN());
-  }
-}
-
-std::vector<base::Diagnostic> RecordSet::notes() const {
-  std::vector<base::Diagnostic> all;
-  for (const auto& reader : readers_)
-    all.insert(all.end(), reader->notes().begin(), reader->notes().end());
-  return all;
-}
-
 std::int64_t RecordReader::read(Eigen::Ref<Samples> block) {
   if (!opened_) opened_ = notes_;
   const auto wanted = count_ ? std::min<std::int64_t>(*count_ - done_, block.rows()) : block.rows();
@@ -430,10 +290,6 @@ void RecordReader::note_unfinished() {
 }
 
 void RecordReader::begin_checksum() { checksum_ = std::make_unique<Checksum>(header_); }
-
-ChecksumFinding RecordSet::checksum(std::size_t file) const {
-  return readers_.at(file)->checksum();
-}
 
 Samples make_block(const RecordHeader& header) {
   constexpr std::size_t bytes = 1 << 20;

@@ -68,6 +68,9 @@ void lower_quality(const FrequencyResponses& responses, Identification& result,
   for (const auto& warning : responses.warnings) {
     if (warning.kind == Kind::weak_excitation) lower_where_weak(warning, result);
     if (warning.kind == Kind::wandering_tone) lower_where_left_out(warning, result);
+    // a resonance in blocks that hold a jump is wider than it is
+    if (warning.kind == Kind::lost_rows && warning.total == 0)
+      for (auto& mode : result.modes) limit(mode, 1.0 - warning.share);
     // a channel that was left out is no channel of a mode
     if (warning.kind == Kind::slow_channel && warning.count == 0)
       for (auto& mode : result.modes) limit(mode, 1.0 - warning.share);

@@ -17,6 +17,7 @@
 #include "held.hpp"
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/text.hpp"
+#include "lost_rows.hpp"
 #include "measure_hits.hpp"
 #include "names.hpp"
 #include "reading.hpp"
@@ -86,18 +87,30 @@ void refuse_averages(const MeasureOptions& options, const char* why) {
 struct Attempt {
   Measurement measured{};
   bool is_suspicious{};
+  std::shared_ptr<const Reading> reading{};  ///< none: hits
 };
 
-/// `spikes`: which the records are read without.
-Attempt responses_without(const std::vector<Spike>& spikes, data::RecordSet& records,
+/// What is taken as missing before the records are read.
+struct Faults {
+  std::vector<Spike> spikes{};
+  std::vector<data::RecordSet::Stretch> lost_rows{};
+
+  [[nodiscard]] std::vector<data::RecordSet::Stretch> stretches() const {
+    auto all = stretches_of(spikes);
+    all.insert(all.end(), lost_rows.begin(), lost_rows.end());
+    return all;
+  }
+};
+
+Attempt responses_without(const Faults& faults, data::RecordSet& records,
                           const MeasureOptions& options, const numerics::Progress& progress) {
   Measurement m{.header = records.header()};
-  records.take_as_missing(stretches_of(spikes));
+  records.take_as_missing(faults.stretches());
   Plan plan = plan_channels(records.files()[0], m.header, options);
   Beginning beginning(records, plan.choice, settling_samples(records, options));
-  if (auto hits = measure_hits(records, plan, options, spikes, beginning)) {
+  if (auto hits = measure_hits(records, plan, options, faults.spikes, beginning)) {
     refuse_averages(options, "this one is of hits, each of which is a block");
-    return {std::move(*hits), true};
+    return {.measured = std::move(*hits), .is_suspicious = true};
   }
   const Plan planned = plan;
   Reading reading = plan_reading(records, plan, options, beginning);
@@ -120,8 +133,8 @@ Attempt responses_without(const std::vector<Spike>& spikes, data::RecordSet& rec
     m.responses.harmonics = harmonics;
     if (keep_short_record(records, reading, *blocks, options, changes, plan.choice, m)) {
       m.choice = std::move(plan.choice);
-      m.reading = std::make_shared<const Reading>(std::move(reading));
-      return {std::move(m), is_suspicious};
+      const auto shared = m.reading = std::make_shared<const Reading>(std::move(reading));
+      return {std::move(m), is_suspicious, shared};
     }
   }
   if (!m.interrupted)
@@ -133,14 +146,14 @@ Attempt responses_without(const std::vector<Spike>& spikes, data::RecordSet& rec
   m.responses.warnings.insert(m.responses.warnings.begin(), earlier.begin(), earlier.end());
   compare_with_instrument(plan, m);
   m.choice = std::move(plan.choice);
-  m.reading = std::make_shared<const Reading>(std::move(reading));
-  return {std::move(m), is_suspicious};
+  const auto shared = m.reading = std::make_shared<const Reading>(std::move(reading));
+  return {std::move(m), is_suspicious, shared};
 }
 
-Attempt outputs_without(const std::vector<Spike>& spikes, data::RecordSet& records,
+Attempt outputs_without(const Faults& faults, data::RecordSet& records,
                         const MeasureOptions& options, const numerics::Progress& progress) {
   Measurement m{.header = records.header()};
-  records.take_as_missing(stretches_of(spikes));
+  records.take_as_missing(faults.stretches());
   Plan plan = plan_outputs(records.files()[0], m.header, options);
   MeasureOptions own = options;
   own.period = 0.0;
@@ -156,19 +169,45 @@ Attempt outputs_without(const std::vector<Spike>& spikes, data::RecordSet& recor
   const auto earlier = std::move(m.responses.warnings);
   m.responses = half_spectra(m.spectra, plan.choice.outputs, half);
   m.responses.warnings.insert(m.responses.warnings.begin(), earlier.begin(), earlier.end());
-  return {std::move(m), is_suspicious};
+  return {std::move(m), is_suspicious, std::make_shared<const Reading>(std::move(reading))};
 }
 
-/// measure(spikes), and once more where there are some.
+/// Once more without the places where rows were lost, if there are some.
 template <class Measure>
-Measurement without_spikes(data::RecordSet& records, Plan plan, const Measure& measure) {
-  Attempt attempt = measure(std::vector<Spike>());
-  if (!attempt.is_suspicious || attempt.measured.interrupted) return std::move(attempt.measured);
-  records.take_as_missing({});
-  const auto spikes = leave_out_spikes(records, used_channels(plan.choice));
-  if (spikes.empty()) return std::move(attempt.measured);
-  Measurement m = measure(spikes).measured;
-  const auto warnings = warnings_of_spikes(spikes, records.header());
+void leave_out_lost_rows(data::RecordSet& records, const Measure& measure, Faults faults,
+                         const Reading* reading, Measurement& m) {
+  if (reading == nullptr || m.interrupted) return;
+  const auto before = records.taken_as_missing();
+  const auto lost = find_lost_rows(records, *reading);
+  if (lost.places == 0) return;
+  faults.lost_rows = lost.stretches;
+  std::optional<Measurement> rest;
+  try {
+    rest = measure(faults).measured;
+  } catch (const base::ComputationError&) {  // too little is left
+  }
+  const auto without = records.taken_as_missing();
+  take_without_lost_rows(lost, std::move(rest), records, m);
+  const bool taken = m.responses.warnings.back().total > 0;
+  records.take_as_missing(taken ? without : before);
+}
+
+/// measure(what is left out): first nothing, then spikes, if there are some, then the places where
+/// rows were lost.
+template <class Measure>
+Measurement without_faults(data::RecordSet& records, Plan plan, const Measure& measure) {
+  Faults faults;
+  Attempt attempt = measure(faults);
+  if (attempt.is_suspicious && !attempt.measured.interrupted) {
+    const auto read = records.taken_as_missing();
+    records.take_as_missing({});
+    faults.spikes = leave_out_spikes(records, used_channels(plan.choice));
+    records.take_as_missing(read);
+    if (!faults.spikes.empty()) attempt = measure(faults);
+  }
+  Measurement m = std::move(attempt.measured);
+  leave_out_lost_rows(records, measure, faults, attempt.reading.get(), m);
+  const auto warnings = warnings_of_spikes(faults.spikes, records.header());
   m.responses.warnings.insert(m.responses.warnings.begin(), warnings.begin(), warnings.end());
   return m;
 }
@@ -177,6 +216,7 @@ Measurement without_spikes(data::RecordSet& records, Plan plan, const Measure& m
 
 Measurement measure_responses(data::RecordSet& records, const MeasureOptions& options,
                               const numerics::Progress& progress) {
+  records.keep_samples(options.most_kept);
   const auto& file = records.files()[0];
   const Plan plan = plan_channels(file, records.header(), options);
   const auto channels = [&](const std::vector<int>& list) {
@@ -187,8 +227,8 @@ Measurement measure_responses(data::RecordSet& records, const MeasureOptions& op
   std::vector<data::ResponseWarning> of_inputs;
   if (options.for_modes)
     of_inputs = check_inputs(file, channels(plan.choice.inputs), channels(plan.choice.outputs));
-  Measurement m = without_spikes(records, plan, [&](const std::vector<Spike>& spikes) {
-    return responses_without(spikes, records, options, progress);
+  Measurement m = without_faults(records, plan, [&](const Faults& faults) {
+    return responses_without(faults, records, options, progress);
   });
   m.responses.warnings.insert(m.responses.warnings.end(), of_inputs.begin(), of_inputs.end());
   return m;
@@ -196,11 +236,11 @@ Measurement measure_responses(data::RecordSet& records, const MeasureOptions& op
 
 Measurement measure_outputs(data::RecordSet& records, const MeasureOptions& options,
                             const numerics::Progress& progress) {
+  records.keep_samples(options.most_kept);
   refuse_averages(options, "its inputs are known; outputs alone are always averaged");
-  return without_spikes(records, plan_outputs(records.files()[0], records.header(), options),
-                        [&](const std::vector<Spike>& spikes) {
-                          return outputs_without(spikes, records, options, progress);
-                        });
+  return without_faults(
+      records, plan_outputs(records.files()[0], records.header(), options),
+      [&](const Faults& faults) { return outputs_without(faults, records, options, progress); });
 }
 
 namespace {

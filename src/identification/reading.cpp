@@ -228,12 +228,21 @@ void read_without_held(data::RecordSet& records, const Reading& reading, Measure
   warnings.insert(warnings.end(), held.warnings.begin(), held.warnings.end());
 }
 
+bool inputs_are_cut_off(const CrossSpectra& spectra, const std::vector<int>& inputs) {
+  constexpr std::int64_t few = 3;  // the largest of a channel is one
+  return std::ranges::any_of(inputs, [&](int c) {
+    const auto& health = spectra.health[static_cast<std::size_t>(c)];
+    return health.in_flat_tops > 0 || health.at_limit > few;
+  });
+}
+
 }  // namespace
 
 void read_spectra(data::RecordSet& records, Reading& reading, const numerics::Progress& progress,
                   Measurement& m) {
   read_at_one_clock(records, reading, progress, m);
   read_without_held(records, reading, m);
+  reading.inputs_cut_off = inputs_are_cut_off(m.spectra, reading.plan.choice.inputs);
   if (!misses_samples(m.spectra) || reading.spectrum.periodic || m.interrupted) return;
   const auto as_read = m.spectra;
   reading.gaps = std::make_shared<GapModel>(records, reading.gap_plan);

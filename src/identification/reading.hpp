@@ -27,6 +27,7 @@ struct Reading {
   std::shared_ptr<const GapModel> gaps{};   ///< none: samples are taken as they are
   std::vector<Tone> tones{};                ///< that are subtracted
   std::optional<ClockDifference> clocks{};  ///< by which outputs are corrected
+  bool inputs_cut_off{};                    ///< one or more reached the limit of its range
   std::optional<Swept> sweep{};  ///< where the excitation is one: all that the inputs pass
 };
 

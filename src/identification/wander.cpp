@@ -98,9 +98,9 @@ double averages_needed(const ChannelChoice& choice, const WanderOptions& options
 }
 
 /// And so many for a sensor, whose test sums over all lines and takes no interval of any of them.
+constexpr double degrees_for_sensors = 2.0;
 double averages_for_sensors(const ChannelChoice& choice) {
-  constexpr double least_degrees = 2.0;
-  return static_cast<double>(choice.inputs.size()) + least_degrees;
+  return static_cast<double>(choice.inputs.size()) + degrees_for_sensors;
 }
 
 /// Neighbours put together until each has averages enough; empty where there are not two such.
@@ -242,15 +242,25 @@ class PartFits {
   [[nodiscard]] std::vector<Wandering> wandering(const WanderOptions& options) const {
     if (fitted_ < 2) return {};
     auto list = wandering_between(found_, fits_, degrees_, options);
+    auto twins = wandering_twins(options);
+    std::erase_if(list, [&](const Wandering& w) {
+      return std::ranges::any_of(twins, [&](const auto& twin) { return twin.mode == w.mode; });
+    });
+    list.insert(list.end(), twins.begin(), twins.end());
+    return list;
+  }
+
+  [[nodiscard]] bool has_twins() const { return merged_.has_value(); }
+
+  /// Those that are one resonance in each part, and another one.
+  [[nodiscard]] std::vector<Wandering> wandering_twins(const WanderOptions& options) const {
     // in each part one pole is as good as two: there never were two resonances at a time
     constexpr double as_good = 1.2;
-    if (!merged_ || !(merged_fits_.misfit < as_good * fits_.misfit)) return list;
+    if (fitted_ < 2 || !merged_ || !(merged_fits_.misfit < as_good * fits_.misfit)) return {};
+    std::vector<Wandering> list;
     for (auto one : wandering_between(*merged_, merged_fits_, degrees_, options)) {
       const auto& members = twins_[one.mode];
       if (members.size() < 2) continue;
-      std::erase_if(list, [&](const Wandering& w) {
-        return std::ranges::find(members, w.mode) != members.end();
-      });
       for (const auto member : members) {
         one.mode = member;
         list.push_back(one);
@@ -312,34 +322,65 @@ std::optional<data::ResponseWarning> changed_between(data::RecordSet& records,
 
 namespace {
 
-/// Halves of the only record in shorter blocks, for records with too few of the usual length:
-/// channels are compared, and modes are not, so that what leaks is the same in both halves. False:
-/// there are too few of these blocks too, or the options say how long blocks are.
-bool compare_in_shorter_blocks(data::RecordSet& records, const Measurement& measured,
-                               const MeasureOptions& measure, double from, double to,
-                               double duration, const numerics::Progress& progress,
-                               PartsFinding& finding) try {
+/// Halves of the records in blocks as short as it takes to have so many averages, for records with
+/// too few of the usual length. None: there are too few of these blocks too, or the options say how
+/// long blocks are.
+std::optional<GroupedSpectra> halves_in_shorter_blocks(data::RecordSet& records,
+                                                       const Measurement& measured,
+                                                       const MeasureOptions& measure,
+                                                       double degrees, double to,
+                                                       const numerics::Progress& progress) {
   constexpr int halvings = 4, shortest = 64, halves = 2;  // 64 samples have the fewest lines
-  if (asks_for_blocks(measure) || measured.reading == nullptr) return false;
+  if (asks_for_blocks(measure) || measured.reading == nullptr) return {};
   int block = measured.reading->spectrum.block_length;
   for (int n = 0; n < halvings && block / 2 >= shortest; ++n) {
     block /= 2;
     auto all = measure_groups_in_blocks(records, measured, measure, block, halves, progress, to);
-    const auto parts = large_enough(std::move(all.groups), averages_for_sensors(all.choice));
-    if (parts.empty()) continue;
-    const auto whole = within(
-        responses_for_modes(averaged_spectra(parts, {0, 1}), all.choice, all.estimator), from, to);
-    if (whole.lines() == 0) return false;
-    SensorWatch watch(whole);
-    for (std::size_t g = 0; g < parts.size(); ++g)
-      watch.add(responses_for_modes(parts[g], all.choice, all.estimator), g);
-    if (const auto change = watch.result())
-      finding.changed = warning_in(*change, whole, duration, std::ssize(parts));
-    return true;
+    const double averages = static_cast<double>(all.choice.inputs.size()) + degrees;
+    all.groups = large_enough(std::move(all.groups), averages);
+    if (!all.groups.empty()) return all;
   }
-  return false;
+  return {};
+}
+
+/// Channels are compared, and modes are not, so that what leaks is the same in both halves. False:
+/// that cannot be.
+bool compare_in_shorter_blocks(data::RecordSet& records, const Measurement& measured,
+                               const MeasureOptions& measure, double from, double to,
+                               double duration, const numerics::Progress& progress,
+                               PartsFinding& finding) try {
+  const auto all =
+      halves_in_shorter_blocks(records, measured, measure, degrees_for_sensors, to, progress);
+  if (!all) return false;
+  const auto& parts = all->groups;
+  const auto whole = within(
+      responses_for_modes(averaged_spectra(parts, {0, 1}), all->choice, all->estimator), from, to);
+  if (whole.lines() == 0) return false;
+  SensorWatch watch(whole);
+  for (std::size_t g = 0; g < parts.size(); ++g)
+    watch.add(responses_for_modes(parts[g], all->choice, all->estimator), g);
+  if (const auto change = watch.result())
+    finding.changed = warning_in(*change, whole, duration, std::ssize(parts));
+  return true;
 } catch (const base::ComputationError&) {  // a half has too little in it
   return false;
+}
+
+/// Whether twins are one resonance that moved. Of modes nothing else is asked there: what leaks is
+/// more than in the blocks that they were found in.
+std::vector<Wandering> twins_in_shorter_blocks(
+    data::RecordSet& records, const Measurement& measured, const MeasureOptions& measure,
+    const Identification& found, const IdentifyOptions& identify, const WanderOptions& options,
+    const numerics::Progress& progress) try {
+  PartFits parts(found, identify);
+  if (!parts.has_twins()) return {};
+  auto all = halves_in_shorter_blocks(records, measured, measure, options.least_degrees, found.to,
+                                      progress);
+  if (!all) return {};
+  for (auto& part : all->groups) parts.add(std::move(part), all->choice, all->estimator);
+  return parts.wandering_twins(options);
+} catch (const base::ComputationError&) {  // a half has too little in it
+  return {};
 }
 
 }  // namespace
@@ -394,11 +435,15 @@ PartsFinding compare_parts(data::RecordSet& records, const Measurement& measured
   if (!fit && !several) halves = large_enough(all.groups, needed);
   if (halves.empty() && !several && !in_shorter_blocks())
     finding.needed_duration = duration_for(all.groups, needed, duration);
-  if (halves.empty()) return stopped ? PartsFinding() : finding;
-  PartFits joined(found, identify);
-  for (auto& part : halves) joined.add(std::move(part), all.choice, all.estimator, fit);
-  say(joined);
-  return finding;
+  if (!halves.empty()) {
+    PartFits joined(found, identify);
+    for (auto& part : halves) joined.add(std::move(part), all.choice, all.estimator, fit);
+    say(joined);
+  }
+  if (!fit)
+    finding.wandering =
+        twins_in_shorter_blocks(records, measured, measure, found, identify, options, watched);
+  return stopped ? PartsFinding() : finding;
 }
 
 void add_changed_channel(const data::ResponseWarning& changed, Identification& found) {

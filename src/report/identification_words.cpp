@@ -164,6 +164,17 @@ std::string motion_input_text(const data::ResponseWarning& w) {
       several ? "are motions" : "is a motion", several ? "these motions" : "this motion");
 }
 
+std::string lost_rows_text(const data::ResponseWarning& w) {
+  const bool one = w.count == 1;
+  return fmt::format(
+      "at {}, {} {:.4g} s{}, most outputs do not go on from where they were: rows were lost, or "
+      "something struck the machine; {}",
+      one ? "a place" : fmt::format("{} places", w.count), one ? "at" : "the first at", w.value,
+      w.other.empty() ? "" : " of " + w.other,
+      w.total > 0 ? fmt::format("the blocks with {} are left out", one ? "it" : "them")
+                  : "too few blocks are without, so damping ratios may be too high");
+}
+
 /// Of a sensor or an input.
 std::string changed_text(const data::ResponseWarning& w) {
   const bool one_record = w.other.empty(),
@@ -339,6 +350,8 @@ std::string warning_text(const data::ResponseWarning& w) {
           "the responses are two-sided: {} of {} frequencies, those above {:.4g} Hz, hold the "
           "conjugates of the others in reverse and were left out",
           w.count, w.total, w.value);
+    case Kind::lost_rows:
+      return lost_rows_text(w);
   }
   return {};
 }

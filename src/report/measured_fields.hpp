@@ -47,9 +47,10 @@ inline constexpr std::array response_warning_words{"dead_output",
                                                    "sensor_changed",
                                                    "lines_zero",
                                                    "two_sided",
-                                                   "input_changed"};
+                                                   "input_changed",
+                                                   "lost_rows"};
 static_assert(response_warning_words.size() ==
-              static_cast<std::size_t>(data::ResponseWarning::Kind::input_changed) + 1);
+              static_cast<std::size_t>(data::ResponseWarning::Kind::lost_rows) + 1);
 
 template <class Fields>
 void describe(Fields& f, data::ResponseWarning& warning) {

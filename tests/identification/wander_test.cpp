@@ -67,15 +67,19 @@ TEST(Wandering, AResonanceThatBecameTwinsIsNoMode) {
                             test::real_mode(frequency, 0.0078, Vector4d(-0.37, 0.91, 0.62, -0.48)),
                             test::real_mode(26.3, 0.0052, Vector4d(0.69, 0.52, -0.97, 0.44))}};
   for (auto& mode : system.modes) mode.participation = mode.participation.head(1).eval();
-  const auto found = tested_for_wandering(
-      drifting_record(system, {.mode = drifting, .size = 0.04, .duration = 600.0}, 3));
-  int near = 0;
-  for (const auto& mode : found.modes) {
-    if (std::abs(mode.fit.omega() / (2.0 * std::numbers::pi) / frequency - 1.0) > 0.05) continue;
-    ++near;
-    EXPECT_EQ(mode.quality(), 0.0);
+  // 200 s have too few blocks of the usual length for parts of them
+  for (const double duration : {600.0, 200.0}) {
+    SCOPED_TRACE(duration);
+    const auto found = tested_for_wandering(
+        drifting_record(system, {.mode = drifting, .size = 0.04, .duration = duration}, 3));
+    int near = 0;
+    for (const auto& mode : found.modes) {
+      if (std::abs(mode.fit.omega() / (2.0 * std::numbers::pi) / frequency - 1.0) > 0.05) continue;
+      ++near;
+      EXPECT_EQ(mode.quality(), 0.0);
+    }
+    EXPECT_GE(near, 2);
   }
-  EXPECT_GE(near, 2);
 }
 
 /// Quarters are fitted as they are read where they are long enough, and put together where they are

@@ -85,7 +85,8 @@ std::vector<data::ResponseWarning> response_warnings() {
            .lowest = 150.0,
            .highest = 300.0,
            .count = 1,
-           .total = 2}};
+           .total = 2},
+          {.kind = Kind::lost_rows, .value = 12.34, .count = 10, .total = 10}};
 }
 
 std::vector<identification::ModeWarning> mode_warnings() {
@@ -214,6 +215,18 @@ TEST(IdentificationWords, WhereAllInputsChangedOutputsMayHave) {
   warning.count = 3;
   EXPECT_THAT(warning_text(warning),
               testing::HasSubstr("(3 of 3 inputs changed, or outputs): the responses"));
+}
+
+TEST(IdentificationWords, LostRowsThatAreNotLeftOutRaiseDamping) {
+  EXPECT_EQ(
+      warning_text({.kind = data::ResponseWarning::Kind::lost_rows,
+                    .other = "p2.csv",
+                    .value = 12.34,
+                    .count = 1,
+                    .total = 0}),
+      "at a place, at 12.34 s of p2.csv, most outputs do not go on from where they were: rows "
+      "were lost, or something struck the machine; too few blocks are without, so damping "
+      "ratios may be too high");
 }
 
 TEST(IdentificationWords, OneGapIsNotCounted) {

@@ -181,6 +181,9 @@ struct ResponseWarning {
     two_sided,       ///< count, of total, lines above `value` [Hz], half the sample rate, are
                      ///< conjugates of those below in reverse: left out
     input_changed,   ///< as sensor_changed, of the input `channel` and `count` of `total` inputs
+    lost_rows,  ///< at `count` places, the first at `value` [s] of the file `other`, most outputs
+                ///< do not go on from where they were; `share` of the blocks hold one: these
+                ///< are left out (`total`: places) or were needed (0)
   };
   Kind kind{};
   std::string channel{}, other{};

@@ -152,6 +152,10 @@ class RecordSet {
   /// follows.
   bool stream(const Use& use);
 
+  /// From the next time on that a file is read to its end its samples stay in memory, where those
+  /// of all channels and files are at most `most`: it is not read again.
+  void keep_samples(std::int64_t most) { most_kept_ = most; }
+
   /// After the file was read to its end.
   [[nodiscard]] ChecksumFinding checksum(std::size_t file = 0) const;
 
@@ -169,12 +173,16 @@ class RecordSet {
 
  private:
   bool stream_file(std::size_t file, const Use& use);
+  bool stream_kept(std::size_t file, const Use& use) const;
+  [[nodiscard]] bool keeps() const;
   void blank(std::size_t file, std::int64_t first, Eigen::Ref<Samples> block) const;
 
   std::vector<std::string> files_;
   std::vector<std::unique_ptr<RecordReader>> readers_;
   std::vector<std::optional<std::int64_t>> counts_;
   std::vector<Stretch> missing_;
+  std::int64_t most_kept_{};
+  std::vector<Samples> kept_;  // of each file; no rows: it is read
 };
 
 /// A block of about a megabyte for samples of `header`.

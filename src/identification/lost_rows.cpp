@@ -1,0 +1,273 @@
+#include "lost_rows.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <iterator>
+
+#include "hydrapod/numerics/statistics.hpp"
+#include "names.hpp"
+#include "predictor.hpp"
+
+namespace hydrapod::identification {
+
+namespace {
+
+/// Rows of the inputs and outputs, each with the `order` rows before it. `use` is given the file,
+/// the number of the first row that has these, and the rows from `order` before it on.
+class RowsWithPast {
+ public:
+  using Use = std::function<void(std::size_t file, std::int64_t first, const Rows& rows)>;
+  RowsWithPast(std::vector<Index> columns, Index order)
+      : columns_(std::move(columns)), order_(order) {}
+
+  void stream(data::RecordSet& records, const Use& use) const {
+    Rows rows;
+    std::size_t current = 0;
+    std::int64_t next = 0;  // row of the file
+    records.stream([&](std::size_t file, const Eigen::Ref<const data::Samples>& block) {
+      const bool begins = file != current || next == 0;
+      const Index kept = begins ? 0 : std::min(order_, rows.rows());
+      Rows all(kept + block.rows(), std::ssize(columns_));
+      all.topRows(kept) = rows.bottomRows(kept);
+      for (std::size_t c = 0; c < columns_.size(); ++c)
+        all.col(static_cast<Index>(c)).tail(block.rows()) = block.col(columns_[c]);
+      rows = std::move(all);
+      if (begins) next = 0;
+      current = file;
+      if (rows.rows() > order_) use(file, next - kept + order_, rows);
+      next += block.rows();
+      return true;
+    });
+  }
+
+ private:
+  std::vector<Index> columns_;
+  Index order_;
+};
+
+/// e = y − A (past of all channels, r now), and its deviations. Columns hold the past, r and y.
+class OneStep {
+ public:
+  OneStep(const MatrixXd& samples, Index outputs, double outlier)
+      : past_(samples.rows() - outputs), outputs_(outputs) {
+    mean_ = samples.rowwise().mean();
+    scale_ = (samples.colwise() - mean_).rowwise().norm() /
+             std::sqrt(static_cast<double>(samples.cols()));
+    scale_ = scale_.unaryExpr([](double s) { return s > 0.0 ? 1.0 / s : 0.0; });
+    MatrixXd x = scale_.asDiagonal() * (samples.colwise() - mean_);
+    fit(x);
+    MatrixXd e = x.bottomRows(outputs) - A_ * x.topRows(past_);
+    set_deviations(e);
+    std::vector<Index> kept;
+    for (Index t = 0; t < e.cols(); ++t)
+      if ((e.col(t).cwiseAbs().array() <= outlier * deviation_.array()).all()) kept.push_back(t);
+    if (2 * std::ssize(kept) > e.cols() && std::ssize(kept) < e.cols()) {
+      x = x(Eigen::all, kept).eval();
+      fit(x);
+      e = x.bottomRows(outputs) - A_ * x.topRows(past_);
+      set_deviations(e);
+    }
+    of_samples_ = MatrixXd::Zero(outputs, samples.rows());
+    of_samples_.leftCols(past_) = -A_;
+    of_samples_.rightCols(outputs).setIdentity();
+    of_samples_ = deviation_.cwiseInverse().asDiagonal() * of_samples_ * scale_.asDiagonal();
+    of_mean_ = of_samples_ * mean_;
+  }
+  /// |e| by its deviation, a column per column of samples.
+  [[nodiscard]] MatrixXd errors(const Eigen::Ref<const MatrixXd>& samples) const {
+    MatrixXd e = of_samples_ * samples;
+    e.colwise() -= of_mean_;
+    return e.cwiseAbs();
+  }
+
+ private:
+  void fit(const MatrixXd& x) {
+    constexpr double ridge = 1e-9;  // of channels of variance 1
+    MatrixXd S = MatrixXd::Zero(x.rows(), x.rows());
+    S.selfadjointView<Eigen::Lower>().rankUpdate(x, 1.0 / static_cast<double>(x.cols()));
+    S.diagonal().array() += ridge;
+    const MatrixXd of_past = S.topLeftCorner(past_, past_).selfadjointView<Eigen::Lower>();
+    A_ = of_past.ldlt().solve(S.bottomLeftCorner(outputs_, past_).transpose()).transpose();
+  }
+  void set_deviations(const MatrixXd& e) {
+    constexpr double of_median = 0.6745;  // of a normal number, |x| is half the time below that
+    constexpr double least = 1e-6;        // of the channel: rounding
+    deviation_.resize(outputs_);
+    for (Index o = 0; o < outputs_; ++o) {
+      const VectorXd own = e.row(o).cwiseAbs();
+      deviation_[o] = std::max(least, numerics::upper_median({own.begin(), own.end()}) / of_median);
+    }
+  }
+
+  Index past_, outputs_;
+  VectorXd mean_{}, scale_{}, deviation_{}, of_mean_{};
+  MatrixXd A_{}, of_samples_{};
+};
+
+/// Every `step`-th row that is whole with its past, a column each.
+MatrixXd rows_to_fit(data::RecordSet& records, const RowsWithPast& with_past, Index order,
+                     Index length, std::int64_t step) {
+  std::vector<VectorXd> kept;
+  with_past.stream(records, [&](std::size_t, std::int64_t first, const Rows& rows) {
+    const std::int64_t before = (first + step - 1) / step * step - first;
+    for (Index t = order + before; t < rows.rows(); t += step) {
+      const auto own = VectorXd::Map(&rows(t - order, 0), length);
+      if (own.allFinite()) kept.emplace_back(own);
+    }
+  });
+  MatrixXd all(length, std::ssize(kept));
+  for (std::size_t k = 0; k < kept.size(); ++k) all.col(static_cast<Index>(k)) = kept[k];
+  return all;
+}
+
+/// Do all channels, the last rows, move for most of the time?
+bool all_move(const Eigen::Ref<const MatrixXd>& samples, double share) {
+  for (Index c = 0; c < samples.rows(); ++c) {
+    const VectorXd own = (samples.row(c).array() - samples.row(c).mean()).abs();
+    const double rms = own.norm() / std::sqrt(static_cast<double>(own.size()));
+    if (!(numerics::upper_median({own.begin(), own.end()}) >= share * rms)) return false;
+  }
+  return true;
+}
+
+/// Channels of the records, in columns that are read: what excites, then what is predicted of it.
+struct Columns {
+  std::vector<Index> all{};
+  Index outputs{};
+};
+
+Columns columns_of(const Reading& reading, Index most_outputs) {
+  const auto& plan = reading.plan;
+  const bool loop = plan.estimator == Estimator::instrumental;
+  std::vector<int> exciting = loop ? plan.choice.instruments : plan.choice.inputs;
+  std::vector<int> predicted = plan.choice.outputs;
+  if (loop)
+    predicted.insert(predicted.begin(), plan.choice.inputs.begin(), plan.choice.inputs.end());
+  const auto count =
+      std::min<std::size_t>(predicted.size(), static_cast<std::size_t>(most_outputs));
+  Columns columns{.outputs = static_cast<Index>(count)};
+  const auto add = [&](int c) {
+    columns.all.push_back(static_cast<Index>(reading.used[static_cast<std::size_t>(c)]));
+  };
+  std::ranges::for_each(exciting, add);
+  for (std::size_t k = 0; k < count; ++k) add(predicted[k * predicted.size() / count]);
+  return columns;
+}
+
+/// Where most outputs do not go on from where they were, in rows that come in their order.
+class Places {
+ public:
+  Places(Index order, const LostRowsOptions& options) : order_(order), options_(options) {}
+  /// use(t) at each place. `e`: by deviations, of the rows from `first` on of the file.
+  template <class Use>
+  void look(std::size_t file, std::int64_t first, MatrixXd e, const Use& use) {
+    if (file != file_) last_ = -1 - order_;
+    file_ = file;
+    const Index outputs = e.rows(), half = outputs - 1 - outputs / 2;
+    for (Index k = 0; k < e.cols(); ++k) {
+      auto own = e.col(k);
+      if (!(own.maxCoeff() > options_.quiet)) continue;
+      const std::int64_t t = first + k;
+      const bool begins = t - last_ > order_;
+      last_ = t;
+      if (!begins) continue;
+      std::ranges::nth_element(own, own.begin() + half);
+      if (own[half] > options_.stands_out) use(t);
+    }
+  }
+
+ private:
+  Index order_;
+  const LostRowsOptions& options_;
+  std::size_t file_{};
+  std::int64_t last_{-1 - order_};  // row of the file with an error that is not quiet
+};
+
+}  // namespace
+
+LostRows find_lost_rows(data::RecordSet& records, const Reading& reading,
+                        const LostRowsOptions& options) {
+  if (reading.inputs_cut_off) return {};
+  const Columns columns = columns_of(reading, options.most_outputs);
+  const Index D = std::ssize(columns.all), outputs = columns.outputs,
+              order = std::min(options.highest_order, options.most_coefficients / D),
+              length = (order + 1) * D;
+  // one output alone: a spike looks alike
+  if (outputs < 2 || order < 2 || reading.total < options.fewest_per_coefficient * length)
+    return {};
+  const RowsWithPast with_past(columns.all, order);
+  const MatrixXd some = rows_to_fit(records, with_past, order, length,
+                                    std::max<std::int64_t>(1, reading.total / options.fit_rows));
+  if (some.cols() < options.fewest_per_coefficient * length ||
+      !all_move(some.bottomRows(D), options.moves))
+    return {};
+  const OneStep model(some, outputs, options.outlier);
+  const double block = reading.spectrum.block_length;
+  const auto out =
+      static_cast<std::int64_t>((reading.spectrum.periodic ? 1.0 : options.of_block) * block) + 1;
+  LostRows lost;
+  Places places(order, options);
+  with_past.stream(records, [&](std::size_t file, std::int64_t first, const Rows& rows) {
+    constexpr Index at_once = 1024;
+    for (Index from = order; from < rows.rows(); from += at_once) {
+      const Index count = std::min(at_once, rows.rows() - from);
+      const Eigen::Map<const MatrixXd, 0, Eigen::OuterStride<>> samples(
+          &rows(from - order, 0), length, count, Eigen::OuterStride<>(D));
+      places.look(file, first + from - order, model.errors(samples), [&](std::int64_t t) {
+        if (lost.places++ == 0) {
+          lost.file = file;
+          lost.first = t;
+        }
+        for (const std::size_t c : reading.used) lost.stretches.push_back({file, c, t, t + out});
+      });
+    }
+  });
+  if (lost.places * options.each > reading.total) return {};
+  return lost;
+}
+
+namespace {
+
+/// What was taken as missing is not: in place of what `rest` says of that comes what `measured`
+/// says, which is about the file.
+void restore_warnings_of_missing(const Measurement& measured, Measurement& rest) {
+  using Kind = data::ResponseWarning::Kind;
+  const auto is_about_missing = [](const data::ResponseWarning& w) {
+    return w.kind == Kind::missing_samples || w.kind == Kind::blocks_left_out;
+  };
+  auto& warnings = rest.responses.warnings;
+  std::erase_if(warnings, is_about_missing);
+  std::ranges::copy_if(measured.responses.warnings, std::back_inserter(warnings), is_about_missing);
+}
+
+}  // namespace
+
+void take_without_lost_rows(const LostRows& lost, std::optional<Measurement> rest,
+                            const data::RecordSet& records, Measurement& measured,
+                            const LostRowsOptions& options) {
+  const auto share_left_out = [&](const Measurement& m) {
+    return measured.record != nullptr
+               ? 1.0
+               : 1.0 - static_cast<double>(m.spectra.blocks) /
+                           static_cast<double>(std::max<std::int64_t>(1, measured.spectra.blocks));
+  };
+  const double share = rest ? share_left_out(*rest) : 1.0;
+  const auto inputs = static_cast<double>(measured.choice.inputs.size());
+  const bool left_out = rest && rest->record == nullptr && rest->spectra.blocks > 0 &&
+                        rest->spectra.statistics.effective_averages >= inputs + options.degrees;
+  if (left_out) {
+    restore_warnings_of_missing(measured, *rest);
+    measured = std::move(*rest);
+  }
+  measured.responses.warnings.push_back(
+      {.kind = data::ResponseWarning::Kind::lost_rows,
+       .other = records.files().size() > 1 ? records.files()[lost.file] : "",
+       .value = static_cast<double>(lost.first) / records.header().sample_rate,
+       .share = share,
+       .count = lost.places,
+       .total = left_out ? lost.places : 0});
+}
+
+}  // namespace hydrapod::identification
