@@ -15,10 +15,11 @@ namespace hydrapod::identification {
 namespace {
 
 /// Rows of the inputs and outputs, each with the `order` rows before it. `use` is given the file,
-/// the number of the first row that has these, and the rows from `order` before it on.
+/// the number of the first row that has these, and the rows from `order` before it on; false ends
+/// the reading.
 class RowsWithPast {
  public:
-  using Use = std::function<void(std::size_t file, std::int64_t first, const Rows& rows)>;
+  using Use = std::function<bool(std::size_t file, std::int64_t first, const Rows& rows)>;
   RowsWithPast(std::vector<Index> columns, Index order)
       : columns_(std::move(columns)), order_(order) {}
 
@@ -36,9 +37,9 @@ class RowsWithPast {
       rows = std::move(all);
       if (begins) next = 0;
       current = file;
-      if (rows.rows() > order_) use(file, next - kept + order_, rows);
+      const bool goes_on = rows.rows() <= order_ || use(file, next - kept + order_, rows);
       next += block.rows();
-      return true;
+      return goes_on;
     });
   }
 
@@ -106,9 +107,12 @@ class OneStep {
   MatrixXd A_{}, of_samples_{};
 };
 
-/// Every `step`-th row that is whole with its past, a column each.
+/// Rows that are whole with their past, a column each, evenly over the first ones of `total`.
 MatrixXd rows_to_fit(data::RecordSet& records, const RowsWithPast& with_past, Index order,
-                     Index length, std::int64_t step) {
+                     Index length, std::int64_t total, const LostRowsOptions& options) {
+  const std::int64_t looked_at = std::min(total, options.fit_within),
+                     step = std::max<std::int64_t>(1, looked_at / options.fit_rows);
+  std::int64_t read = 0;
   std::vector<VectorXd> kept;
   with_past.stream(records, [&](std::size_t, std::int64_t first, const Rows& rows) {
     const std::int64_t before = (first + step - 1) / step * step - first;
@@ -116,6 +120,8 @@ MatrixXd rows_to_fit(data::RecordSet& records, const RowsWithPast& with_past, In
       const auto own = VectorXd::Map(&rows(t - order, 0), length);
       if (own.allFinite()) kept.emplace_back(own);
     }
+    read += rows.rows() - order;
+    return read < looked_at;
   });
   MatrixXd all(length, std::ssize(kept));
   for (std::size_t k = 0; k < kept.size(); ++k) all.col(static_cast<Index>(k)) = kept[k];
@@ -198,8 +204,7 @@ LostRows find_lost_rows(data::RecordSet& records, const Reading& reading,
   if (outputs < 2 || order < 2 || reading.total < options.fewest_per_coefficient * length)
     return {};
   const RowsWithPast with_past(columns.all, order);
-  const MatrixXd some = rows_to_fit(records, with_past, order, length,
-                                    std::max<std::int64_t>(1, reading.total / options.fit_rows));
+  const MatrixXd some = rows_to_fit(records, with_past, order, length, reading.total, options);
   if (some.cols() < options.fewest_per_coefficient * length ||
       !all_move(some.bottomRows(D), options.moves))
     return {};
@@ -223,6 +228,7 @@ LostRows find_lost_rows(data::RecordSet& records, const Reading& reading,
         for (const std::size_t c : reading.used) lost.stretches.push_back({file, c, t, t + out});
       });
     }
+    return true;
   });
   if (lost.places * options.each > reading.total) return {};
   return lost;

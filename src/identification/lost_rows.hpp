@@ -40,9 +40,12 @@ struct LostRowsOptions {
   double outlier{8.0};
   /// p = most_coefficients / channels, at most highest_order.
   Eigen::Index most_coefficients{120}, highest_order{16};
-  Eigen::Index most_outputs{8};                  ///< that are predicted, if there are more: evenly
-  Eigen::Index fit_rows{Eigen::Index{1} << 12};  ///< at most; evenly over the records
-  Eigen::Index fewest_per_coefficient{8};        ///< rows for each, or nothing is looked for
+  Eigen::Index most_outputs{5};  ///< that are predicted, if there are more: evenly
+  /// The model is fitted to so many rows, evenly over the first `fit_within`. A model of a part
+  /// that is quieter than the rest finds nothing there: its errors are never small.
+  Eigen::Index fit_rows{Eigen::Index{1} << 12};
+  std::int64_t fit_within{std::int64_t{1} << 20};
+  Eigen::Index fewest_per_coefficient{8};  ///< rows for each, or nothing is looked for
   /// More places in a stretch of `each` samples or less on the average are its signal: friction,
   /// blows.
   std::int64_t each{200};
