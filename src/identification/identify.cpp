@@ -16,13 +16,13 @@
 #include "hydrapod/identification/cross_check.hpp"
 #include "hydrapod/identification/responses.hpp"
 #include "identify_steps.hpp"
-#include "line_weights.hpp"
 #include "lower_quality.hpp"
 #include "peaks_above.hpp"
 #include "prune.hpp"
 #include "repeated_modes.hpp"
 #include "residual_tests.hpp"
 #include "search.hpp"
+#include "selection.hpp"
 #include "twins.hpp"
 #include "usable.hpp"
 #include "weak_modes.hpp"
@@ -32,10 +32,6 @@
 namespace hydrapod::identification {
 
 namespace {
-
-bool is_near(Complex a, Complex b, double near) {
-  return std::abs(std::abs(a) / std::abs(b) - 1.0) < near;
-}
 
 /// Resonances that the fit has left over, while there are any.
 void add_weak_modes(const IdentifyOptions& options, Identification& result) {
@@ -47,102 +43,6 @@ void add_weak_modes(const IdentifyOptions& options, Identification& result) {
     if (clusters.size() == before) break;
     fit_and_prune(options, std::move(clusters), result);
     if (result.clusters.size() <= before) break;
-  }
-}
-
-/// Fall of the sum of squares from `before` to `after`, over the number of a mode's parameters as
-/// in FittedMode::significance.
-double gain(const Identification& before, const Identification& after) {
-  const auto& H = before.responses.H;
-  const double numbers = static_cast<double>(H.size()) * numbers_per_line(before.responses);
-  return (before.model.misfit - after.model.misfit) * numbers /
-         (2.0 * static_cast<double>(H[0].rows() + H[0].cols()));
-}
-
-/// Tries `count` modes more, with this pole at the beginning. They stay if they come out near
-/// there, as certain as is asked, and everything else stays.
-bool try_more(const IdentifyOptions& options, const PoleCluster& like, Complex pole,
-              std::size_t count, const Certainty& asked, Identification& result) {
-  auto clusters = fitted_clusters(result);
-  const std::size_t before = clusters.size();
-  for (auto& mode :
-       modes_in_residual(result.responses, result.model, pole, count, options.fit.taper)) {
-    clusters.push_back(like);
-    clusters.back().representative = std::move(mode);
-  }
-  Identification trial = result;
-  if (!fit_if_all_stay(options, std::move(clusters), before, trial) ||
-      trial.clusters.size() != before + count ||
-      gain(result, trial) < asked.gain * options.least_significance)
-    return false;
-  for (std::size_t r = before; r < before + count; ++r) {
-    const auto& added = trial.model.modes[r];
-    if (std::abs(added.omega() / std::abs(pole) - 1.0) > asked.near ||
-        added.damping_ratio() > options.highest_damping ||
-        added.omega_deviation > asked.frequency * added.omega() ||
-        added.damping_deviation > asked.damping * added.damping_ratio())
-      return false;
-  }
-  for (std::size_t r = 0; r < before; ++r)
-    if (!is_near(trial.model.modes[r].pole, result.model.modes[r].pole, options.trial.unmoved))
-      return false;
-  result = std::move(trial);
-  return true;
-}
-
-/// Damping is judged as `pair` has it, where that is milder.
-IdentifyOptions for_pairs(IdentifyOptions options, const Certainty& pair) {
-  options.largest_damping_deviation = std::max(pair.damping, options.largest_damping_deviation);
-  return options;
-}
-
-}  // namespace
-
-void add_candidates(const IdentifyOptions& options, const std::vector<PoleCluster>& candidates,
-                    Identification& result) {
-  for (const auto& candidate : candidates) {
-    const auto pole = candidate.representative.pole;
-    const bool known = std::ranges::any_of(result.model.modes, [&](const FittedMode& m) {
-      return is_near(m.pole, pole, options.trial.unmoved);
-    });
-    if (!known && candidate.representative.damping_ratio() <= options.highest_damping)
-      try_more(options, candidate, pole, 1, options.trial.hidden, result);
-  }
-}
-
-void add_hidden_modes(const IdentifyOptions& options, Identification& result) {
-  const auto& trial = options.trial;
-  const auto mild = for_pairs(options, trial.hidden_pair);
-  const double sharp = trial.damping;
-  bool found = !result.model.modes.empty();
-  for (int round = 0; round < trial.rounds && found; ++round) {
-    found = false;
-    const auto places = conspicuous_frequencies(result.responses, result.model, options);
-    const auto most = std::min(places.size(), static_cast<std::size_t>(trial.most_places));
-    for (std::size_t k = 0; k < most; ++k) {
-      const double f = places[k];
-      const auto pole = two_pi * f * Complex(-sharp, std::sqrt(1 - sharp * sharp));
-      found = found || try_more(options, {}, pole, 1, trial.hidden, result) ||
-              try_more(mild, {}, pole, 2, trial.hidden_pair, result);
-    }
-  }
-}
-
-namespace {
-
-/// Where a mode stands alone among the weak ones, from number `strong` on, a second one like it is
-/// tried.
-void add_second_of_pairs(const IdentifyOptions& given, std::size_t strong, Identification& result) {
-  auto asked = given.trial.second;
-  const auto options = for_pairs(given, asked);
-  asked.damping = options.largest_damping_deviation;
-  const std::size_t end = result.model.modes.size();
-  for (std::size_t r = strong; r < end; ++r) {
-    const auto pole = result.model.modes[r].pole;
-    const auto close = std::ranges::count_if(result.model.modes, [&](const FittedMode& m) {
-      return is_near(m.pole, pole, options.trial.unmoved);
-    });
-    if (close == 1) try_more(options, result.clusters[r], pole, 1, asked, result);
   }
 }
 
@@ -245,6 +145,7 @@ Identification fitted(const IdentifyOptions& options, Search s, bool errors_assu
   settle_errors(options, result);
   add_hidden_modes(options, result);
   add_second_of_pairs(options, strong, result);
+  add_pole_below_modes(options, result);
   return result;
 }
 

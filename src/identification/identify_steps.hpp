@@ -13,6 +13,16 @@ void add_candidates(const IdentifyOptions& options, const std::vector<PoleCluste
 /// resonance.
 void add_hidden_modes(const IdentifyOptions& options, Identification& result);
 
+/// Where a mode stands alone among the weak ones, from number `strong` on, a second one like it is
+/// tried.
+void add_second_of_pairs(const IdentifyOptions& options, std::size_t strong,
+                         Identification& result);
+
+/// A pole below the lowest mode that is damped too much for one: of sensors that do not measure
+/// what is constant, of a soft mount. Residual terms do not follow it, and the damping of the modes
+/// above is wrong by what they miss.
+void add_pole_below_modes(const IdentifyOptions& options, Identification& result);
+
 /// What lies far above the highest mode cannot tell of any mode, but of delays, valves and higher
 /// modes, for which the residual terms stand: it is left out.
 void leave_out_above(const IdentifyOptions& options, Identification& result);

@@ -166,6 +166,10 @@ void add_direction(const VectorXcd& vector, MatrixXcd& span) {
   span.rightCols<1>() = vector.normalized();
 }
 
+bool is_near(Complex a, Complex b, double near) {
+  return std::abs(std::abs(a) / std::abs(b) - 1.0) < near;
+}
+
 bool same_damping(double other, double ratio, const SelectionOptions& options) {
   return std::abs(other - ratio) <= options.damping * ratio + options.damping_floor;
 }

@@ -12,6 +12,9 @@ double share_in(const VectorXcd& vector, const MatrixXcd& span);
 /// One more column, of length 1.
 void add_direction(const VectorXcd& vector, MatrixXcd& span);
 
+/// Do their moduli differ by less than the share `near`?
+bool is_near(Complex a, Complex b, double near);
+
 /// Is the damping ratio `other` that of a mode with `ratio`?
 bool same_damping(double other, double ratio, const SelectionOptions& options);
 

@@ -1,0 +1,93 @@
+/// Sensors that do not measure what is constant (AC coupling): their high pass is in the responses.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+#include "exact/modal_system.hpp"
+#include "hydrapod/identification/identify.hpp"
+
+namespace hydrapod::identification {
+namespace {
+
+using std::numbers::pi;
+using Complex = std::complex<double>;
+
+/// Two forces and five accelerations.
+test::ModalSystem four_modes(test::Random& random) {
+  struct Mode {
+    double frequency{}, damping{};
+  };
+  test::ModalSystem system;
+  for (const Mode m : {Mode{8.31, 0.0062}, {19.7, 0.0053}, {36.1, 0.0047}, {53.3, 0.0051}}) {
+    Eigen::VectorXd shape(5);
+    for (double& x : shape) {
+      const double sign = test::normal(random) > 0.0 ? 1.0 : -1.0;
+      x = sign * (0.3 + 0.7 * std::abs(std::sin(test::normal(random))));
+    }
+    system.modes.push_back(test::real_mode(m.frequency, m.damping, shape));
+    auto& participation = system.modes.back().participation;
+    participation = participation.head(2).eval();
+  }
+  return system;
+}
+
+/// Each line with errors of 3 % of its row: what lies below the modes is known as well as they are.
+FrequencyResponses coupled_responses(const test::ModalSystem& system, double corner,
+                                     test::Random& random) {
+  FrequencyResponses r;
+  const auto header = test::header_of(2, 5, 1.0);
+  r.inputs.assign(header.channels.begin(), header.channels.begin() + 2);
+  r.outputs.assign(header.channels.begin() + 2, header.channels.end());
+  for (auto& channel : r.outputs) channel.unit = "m/s^2";
+  const double w = 2.0 * pi * corner;
+  for (double f = 2.2; f < 66.0; f += 0.0613) {
+    const Complex s(0.0, 2.0 * pi * f);
+    Eigen::MatrixXcd H =
+        s * s * (s * s / (s * s + std::numbers::sqrt2 * w * s + w * w)) * system.response(f);
+    const Eigen::VectorXd deviation = 0.03 * H.rowwise().norm();
+    for (Eigen::Index o = 0; o < H.rows(); ++o)
+      for (Eigen::Index i = 0; i < H.cols(); ++i)
+        H(o, i) +=
+            deviation[o] * std::sqrt(0.5) * Complex(test::normal(random), test::normal(random));
+    r.frequency.push_back(f);
+    r.H.push_back(H);
+    r.noise.emplace_back(deviation.cwiseAbs2().cast<Complex>().asDiagonal());
+    r.input_factor.emplace_back(Eigen::MatrixXcd::Identity(2, 2));
+  }
+  return r;
+}
+
+TEST(CoupledSensors, TheirHighPassIsAPoleAndNoMode) {
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    SCOPED_TRACE(seed);
+    test::Random random(seed);
+    const auto system = four_modes(random);
+    const auto found = identify_modes(coupled_responses(system, 2.93, random));
+    EXPECT_EQ(found.heavily_damped.size(), 1U);
+    EXPECT_TRUE(found.unexplained.empty());
+    EXPECT_LT(found.model.misfit, 1.03);
+    ASSERT_EQ(found.modes.size(), system.modes.size());
+    for (std::size_t r = 0; r < system.modes.size(); ++r) {
+      const auto& fit = found.modes[r].fit;
+      const auto pole = system.modes[r].pole;
+      EXPECT_LT(std::abs(fit.omega() - std::abs(pole)), 3.5 * fit.omega_deviation) << r;
+      EXPECT_LT(std::abs(fit.damping_ratio() + pole.real() / std::abs(pole)),
+                3.5 * fit.damping_deviation)
+          << r;
+    }
+  }
+}
+
+TEST(CoupledSensors, WithoutAHighPassThereIsNoPole) {
+  for (std::uint64_t seed = 1; seed <= 2; ++seed) {
+    test::Random random(seed);
+    const auto system = four_modes(random);
+    EXPECT_TRUE(identify_modes(coupled_responses(system, 0.0, random)).heavily_damped.empty());
+  }
+}
+
+}  // namespace
+}  // namespace hydrapod::identification
