@@ -3,8 +3,9 @@
 
 Usage: bench/python.py [BUILD] [--designs N]     (default build/test, 200000 designs; needs python3-scipy)
 
-Overheads are differences of medians of blocks of calls, from Python and in C++ in turn, in processor time of one
-thread. The other rows are wall time, medians of five; SciPy has one thread, as hydrapod has in these rows.
+Overheads are differences of the fastest blocks of calls, from Python and in C++ in turn, in processor time of one
+thread: other programs make blocks slower only. The other rows are wall time, medians of five; SciPy has one thread,
+as hydrapod has in these rows.
 """
 
 import argparse
@@ -54,7 +55,7 @@ def overhead(machine, task, call, count=400, rounds=41):
             call()
         outside.append((time.thread_time() - begun) / count)
         inside.append(hydrapod._core.seconds_of_calls(machine._core_machine, task, sleeve, count))
-    return statistics.median(outside), statistics.median(inside)
+    return min(outside), min(inside)
 
 
 def row(what, ours, other, against, factor):

@@ -184,7 +184,7 @@ def read_record(path: Union[str, "os.PathLike[str]"], *, rate: Optional[Quantity
     """The whole record at once.
 
     path: HDF5, MAT, CSV, Universal File or RPC III.
-    rate: sample rate [Hz] of files that do not tell it. Raises InputError.
+    rate: sample rate [Hz] of files that do not tell it. Raises InputError. Source: docs/howto/record.md.
     C++: data::read_record in hydrapod/data/record_io.hpp.
     """
     name = os.fspath(path)
