@@ -184,8 +184,8 @@ WrittenRecord cut_record(const RecordOptions& options, const RecordOutput& outpu
                          const RecordPart& part, const Progress& progress = {});
 
 /// Writes a record with another sample rate [Hz], through a linear-phase anti-alias filter.
-/// See data::Resampler. Throws as convert_record(), and base::InputError for a rate more than 1:10000
-/// from that of the record.
+/// See data::Resampler. Throws as convert_record(), and base::InputError for a rate more than
+/// 1:10000 from that of the record.
 WrittenRecord resample_record(const RecordOptions& options, const RecordOutput& output, double rate,
                               const Progress& progress = {});
 
