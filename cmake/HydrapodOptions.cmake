@@ -31,6 +31,9 @@ if(NOT HYDRAPOD_SANITIZE)
   target_link_options(hydrapod_options INTERFACE -pie -Wl,-z,relro -Wl,-z,now)
 endif()
 if(HYDRAPOD_SANITIZE)
+  if(HYDRAPOD_BUILD_PYTHON)
+    target_compile_options(hydrapod_options INTERFACE -fPIC)  # the library is part of the extension
+  endif()
   add_compile_options(-fsanitize=${HYDRAPOD_SANITIZE} -fno-omit-frame-pointer
     -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${HYDRAPOD_SANITIZE})

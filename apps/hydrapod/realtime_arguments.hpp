@@ -10,9 +10,6 @@ namespace hydrapod::cli {
 realtime::Layout layout_of(const std::string& file);
 realtime::Key key_of(const std::string& file);
 
-/// "length=20 mm, velocity=0.3 m/s, acceleration=10 m/s^2, error=5 mm".
-realtime::Limits parse_limits(const std::string& text);
-
 /// The lines of a hardware rig's result: packets, and what stopped it.
 std::string hardware_note(const realtime::HardwareResult& result);
 

@@ -1,4 +1,3 @@
-#include "hydrapod/base/text.hpp"
 #include "hydrapod/command.hpp"
 #include "hydrapod/record_arguments.hpp"
 
@@ -38,54 +37,12 @@ std::optional<double> sample_rate(const std::string& option, const std::string& 
   return rate;
 }
 
-data::ReadOptions read_options(const RecordArguments& arguments) {
-  return {.sample_rate = sample_rate("--rate", arguments.rate)};
+tasks::RecordOptions record_of(const RecordArguments& arguments) {
+  return {.file = arguments.file, .sample_rate = sample_rate("--rate", arguments.rate)};
 }
 
-data::RecordSet open_record(const RecordArguments& arguments) {
-  return data::RecordSet({arguments.file}, read_options(arguments));
-}
-
-void refuse_channel(const std::string& name, const data::RecordHeader& header) {
-  std::vector<std::string_view> known;
-  for (const auto& channel : header.channels) known.push_back(channel.name);
-  const auto near = base::nearest(name, known);
-  base::refuse("--channel " + name, "the record has no such channel; " +
-                                        (near ? fmt::format("did you mean '{}'?", *near)
-                                              : fmt::format("it has {}", fmt::join(known, ", "))));
-}
-
-bool read_all(data::RecordSet& record, const std::string& title,
-              const std::function<void(const Eigen::Ref<const data::Samples>&)>& use) {
-  const InterruptNote interrupt;
-  return read_all(interrupt, record, title, use);
-}
-
-bool read_all(const InterruptNote& /*interrupt*/, data::RecordSet& record, const std::string& title,
-              const std::function<void(const Eigen::Ref<const data::Samples>&)>& use) {
-  const auto count = record.sample_count();
-  std::int64_t done = 0;
-  bool complete = false;
-  {
-    ProgressLine progress(title);
-    complete = record.stream([&](std::size_t /*file*/, const auto& block) {
-      use(block);
-      done += block.rows();
-      if (count && *count > 0)
-        progress.update(static_cast<double>(done) / static_cast<double>(*count));
-      return !InterruptNote::noted();
-    });
-  }
-  print_diagnostics(record.notes());
-  return complete;
-}
-
-std::int64_t count_samples(data::RecordSet& record) {
-  const InterruptNote interrupt;
-  if (!record.sample_count() &&
-      !record.stream([](auto, const auto&) { return !InterruptNote::noted(); }))
-    throw base::ComputationError("interrupted");
-  return record.sample_count().value_or(0);
+tasks::RecordOutput output_of(const OutputArguments& arguments) {
+  return {.path = arguments.file, .format = choose_format(arguments)};
 }
 
 std::string samples_text(std::int64_t count) {
@@ -97,6 +54,11 @@ void report_written(const std::string& file, std::int64_t samples, bool complete
     throw base::ComputationError(
         fmt::format("interrupted; {} contains the first {}", file, samples_text(samples)));
   print_note(fmt::format("wrote {}: {}", file, samples_text(samples)));
+}
+
+void report_written(const tasks::WrittenRecord& written) {
+  print_diagnostics(written.notes);
+  report_written(written.file, written.samples, written.complete);
 }
 
 void add_record(Command app) {

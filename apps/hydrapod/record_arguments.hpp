@@ -1,12 +1,12 @@
 #pragma once
 /// What the subcommands of `record` share.
 
-#include <functional>
 #include <optional>
 #include <string>
 
 #include "hydrapod/data/record_io.hpp"
 #include "hydrapod/options.hpp"
+#include "hydrapod/tasks/measurement.hpp"
 #include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
@@ -34,32 +34,29 @@ data::RecordFormat choose_format(const OutputArguments& arguments);
 std::optional<double> sample_rate(const std::string& option, const std::string& text);
 
 /// Throws base::InputError for a wrong --rate.
-data::ReadOptions read_options(const RecordArguments& arguments);
+tasks::RecordOptions record_of(const RecordArguments& arguments);
 
-/// Throws base::InputError; for a wrong --rate too.
-data::RecordSet open_record(const RecordArguments& arguments);
+/// The file asked for, with the format of --format or of its ending. Throws base::InputError.
+tasks::RecordOutput output_of(const OutputArguments& arguments);
 
-/// For a --channel `name` that the record does not have. Throws base::InputError.
-[[noreturn]] void refuse_channel(const std::string& name, const data::RecordHeader& header);
-
-/// Reads to the end in blocks, with a progress line titled `title` where the length is known. Notes
-/// go to stderr at the end. False when Ctrl-C ended it before.
-bool read_all(data::RecordSet& record, const std::string& title,
-              const std::function<void(const Eigen::Ref<const data::Samples>&)>& use);
-/// The same under a note of the caller, who has more to do than to read: completing a file may take
-/// longer than reading, and Ctrl-C is answered as long as the note is there.
-bool read_all(const InterruptNote& interrupt, data::RecordSet& record, const std::string& title,
-              const std::function<void(const Eigen::Ref<const data::Samples>&)>& use);
-
-/// Samples of a record; a table is read to its end for that. Spectra depend on the number, and are
-/// not to depend on the format. Throws base::ComputationError where Ctrl-C came before the end.
-std::int64_t count_samples(data::RecordSet& record);
+/// What `task` makes of a record, with a progress line titled `title` where the length is known.
+/// Ctrl-C asks the task to stop.
+template <class Task>
+auto with_record(const std::string& title, const Task& task) {
+  const InterruptNote interrupt;
+  ProgressLine line(title);
+  return task(numerics::Progress([&](double share) {
+    if (share > 0.0) line.update(share);
+    return InterruptNote::noted();
+  }));
+}
 
 /// "1 sample", "20 samples".
 std::string samples_text(std::int64_t count);
 
 /// Says what was written, or throws base::ComputationError where Ctrl-C came before the end.
 void report_written(const std::string& file, std::int64_t samples, bool complete);
+void report_written(const tasks::WrittenRecord& written);
 
 void add_record_show(Command record);
 void add_record_convert(Command record);

@@ -43,18 +43,13 @@ std::string words(const std::string& file, const data::RecoverResult& result) {
 }
 
 void run(const Arguments& arguments) {
-  data::RecoverOptions options{.format = choose_format(arguments.output),
-                               .read = read_options(arguments.record)};
-  const InterruptNote interrupt;
-  data::RecoverResult result;
-  {
-    ProgressLine progress("recovering");
-    options.progress = [&](double share) {
-      if (share > 0.0) progress.update(share);
-      return !InterruptNote::noted();
-    };
-    result = data::recover_record(arguments.record.file, arguments.output.file, options);
-  }
+  data::RecoverOptions options{
+      .format = choose_format(arguments.output),
+      .read = {.sample_rate = sample_rate("--rate", arguments.record.rate)}};
+  const auto result = with_record("recovering", [&](const numerics::Progress& progress) {
+    options.progress = [&](double share) { return !progress(share); };
+    return data::recover_record(arguments.record.file, arguments.output.file, options);
+  });
   print_diagnostics(result.notes);
   print_note(words(arguments.record.file, result));
   report_written(result.file, result.samples, result.complete);

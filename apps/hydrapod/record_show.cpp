@@ -125,12 +125,12 @@ constexpr const char* legend =
 
 void run(const Arguments& arguments) {
   const std::size_t format = result_format(arguments.format, arguments.file, {"table", "json"});
-  auto record = open_record(arguments.record);
+  const auto shown = with_record("reading", [&](const auto& progress) {
+    return tasks::show_record(record_of(arguments.record), progress);
+  });
+  const auto& [record, overview] = shown;
   const data::RecordHeader& header = record.header();
-  data::OverviewBuilder builder(header, data::default_segment(header, count_samples(record)));
-  const bool complete = read_all(record, "reading", [&](const auto& block) { builder.add(block); });
-  if (!complete) throw base::ComputationError("interrupted");
-  const data::RecordOverview overview = builder.result();
+  print_diagnostics(record.notes());
   if (format == 1)
     return write_output(
         arguments.file,

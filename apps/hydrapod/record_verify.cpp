@@ -26,25 +26,21 @@ enum class Outcome { held, not_held, unreadable };
 
 /// A file that cannot be read is said, and is no reason to leave out those after it.
 Outcome verify(const std::string& file) {
-  bool complete = false;
   try {
-    data::RecordSet record({file});
-    std::int64_t samples = 0;
-    complete =
-        read_all(record, "verifying " + file, [&](const auto& block) { samples += block.rows(); });
-    if (complete) {
-      fmt::print("{}: {} samples of {} channels: {}\n", file, samples,
-                 record.header().channels.size(), words(record.checksum()));
-      return record.checksum() == data::ChecksumFinding::holds ? Outcome::held : Outcome::not_held;
-    }
+    const auto found = with_record("verifying " + file, [&](const auto& progress) {
+      return tasks::verify_record(file, progress);
+    });
+    print_diagnostics(found.notes);
+    fmt::print("{}: {} samples of {} channels: {}\n", file, found.samples, found.channels,
+               words(found.checksum));
+    return found.checksum == data::ChecksumFinding::holds ? Outcome::held : Outcome::not_held;
   } catch (const base::InputError& error) {
     print_diagnostics(error.diagnostics());
-    return Outcome::unreadable;
   } catch (const base::ComputationError& error) {
+    if (InterruptNote::noted()) throw;
     print_error(fmt::format("{}: {}", file, error.what()));
-    return Outcome::unreadable;
   }
-  throw base::ComputationError("interrupted");
+  return Outcome::unreadable;
 }
 
 void run(const Arguments& arguments) {

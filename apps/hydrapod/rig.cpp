@@ -1,3 +1,4 @@
+#include "hydrapod/base/text.hpp"
 #include "hydrapod/command.hpp"
 #include "hydrapod/realtime_arguments.hpp"
 #include "hydrapod/reproduction.hpp"
@@ -90,7 +91,8 @@ std::optional<realtime::HardwareOptions> hardware_of(const Arguments& arguments)
   options.shared_memory = arguments.shared_memory;
   options.layout = layout_of(arguments.layout);
   options.key = key_of(arguments.key);
-  options.limits = parse_limits(arguments.limits);
+  options.limits =
+      tasks::limits_of("--limit " + base::printable(arguments.limits), arguments.limits);
   options.fifo = arguments.fifo;
   options.ramp = positive("--ramp", arguments.ramp, "s");
   options.ramp_down = positive("--ramp-down", arguments.ramp_down, "s");

@@ -29,9 +29,11 @@ from ._core import (
     Modes,
     ModesAtAmplitudes,
     ModesAtPoses,
+    RecordOverview,
     Report,
     RootLocus,
     Sensitivity,
+    Served,
     Simulation,
     Study,
     Superelement,
@@ -39,10 +41,13 @@ from ._core import (
 )
 from ._core import version as __version__
 from ._errors import ComputationError, Diagnostic, InputError
+from ._evaluate import Evaluation, evaluate
 from ._exports import (
+    Attached,
     Export,
     MultibodyText,
     ParityLine,
+    attach,
     export,
     machine_state_space,
     multibody_text,
@@ -50,7 +55,14 @@ from ._exports import (
     to_mujoco,
 )
 from ._interop import state_space, to_control, to_pyuff
-from ._machine import Machine, Parameters, build_machine, read_machine, starter_machine_file
+from ._machine import (
+    Machine,
+    Parameters,
+    build_machine,
+    parameter_reference,
+    read_machine,
+    starter_machine_file,
+)
 from ._mechanics import (
     Buckling,
     PoseQuality,
@@ -75,11 +87,23 @@ from ._plots import (
     plot_stabilisation,
 )
 from ._progress import ProgressBar, progress_bar
+from ._realtime import RigRun, packet_layout, rig, serve
+from ._record_tools import (
+    RecoveredRecord,
+    VerifiedRecord,
+    WrittenRecord,
+    convert_record,
+    cut_record,
+    plot_record,
+    recover_record,
+    resample_record,
+    show_record,
+    verify_record,
+)
 from ._records import Record, read_record
 from ._studies import DesignFunction, design, montecarlo, sweep, workspace_map
 from . import _texts
 from ._tasks import (
-    RigRun,
     bode,
     calibrate,
     check,
@@ -91,7 +115,6 @@ from ._tasks import (
     modes,
     modes_at_poses,
     report,
-    rig,
     root_locus,
     sensitivity,
     simulate,
@@ -99,6 +122,7 @@ from ._tasks import (
 )
 
 __all__ = [
+    "Attached",
     "Bode",
     "Buckling",
     "Calibrated",
@@ -110,6 +134,7 @@ __all__ = [
     "DesignFunction",
     "Diagnosed",
     "Diagnostic",
+    "Evaluation",
     "Export",
     "Frf",
     "Identified",
@@ -128,24 +153,33 @@ __all__ = [
     "PoseQuality",
     "ProgressBar",
     "Record",
+    "RecordOverview",
+    "RecoveredRecord",
     "Report",
     "RigRun",
     "RootLocus",
     "SampledSignals",
     "Sensitivity",
+    "Served",
     "Simulation",
     "StaticEquilibrium",
     "Study",
     "Superelement",
     "System",
+    "VerifiedRecord",
+    "WrittenRecord",
+    "attach",
     "bode",
     "buckling",
     "build_machine",
     "calibrate",
     "check",
     "compare",
+    "convert_record",
+    "cut_record",
     "design",
     "diagnose",
+    "evaluate",
     "export",
     "forward_kinematics",
     "frequencies",
@@ -159,21 +193,28 @@ __all__ = [
     "modes_at_poses",
     "montecarlo",
     "multibody_text",
+    "packet_layout",
+    "parameter_reference",
     "plot_bode",
     "plot_diagnosis",
     "plot_fit",
     "plot_map",
     "plot_modes",
+    "plot_record",
     "plot_stabilisation",
     "pose_quality",
     "progress_bar",
     "read_machine",
     "read_record",
+    "recover_record",
     "report",
+    "resample_record",
     "rig",
     "root_locus",
     "sample_signals",
     "sensitivity",
+    "serve",
+    "show_record",
     "simulate",
     "starter_machine_file",
     "state_space",
@@ -184,5 +225,6 @@ __all__ = [
     "to_control",
     "to_mujoco",
     "to_pyuff",
+    "verify_record",
     "workspace_map",
 ]

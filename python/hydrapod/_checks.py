@@ -87,13 +87,15 @@ _wholes: Dict[str, Tuple[int, int]] = {
     "seed": _seeds, "trace_samples": _seeds, "samples": _seeds,
     **{name: (-2**31, 2**31 - 1) for name in
        ("points", "pade_order", "averages", "oversampling", "repeat", "modes", "threads", "starts", "trade_off",
-        "bootstrap", "order", "block", "reduce")},
+        "bootstrap", "order", "block", "reduce", "fifo", "grid")},
     "leg_modes": (0, 2**31 - 1)}
 _flags = {"ideal_sensors", "anti_alias", "above_limits", "output_only", "modes_only", "damping", "indices",
-          "buckling", "resume", "join", "whole_record", "sampled", "approximate", "accelerometers"}
+          "buckling", "resume", "join", "whole_record", "sampled", "approximate", "accelerometers", "spectra",
+          "lock_step", "once", "add_mass"}
 _words = {"input", "output", "actuators", "integrator", "initial", "entry", "estimator", "window", "against",
           "input_from", "pose", "model", "loss", "title", "theme", "system", "design", "length_sensor",
-          "pressure_sensor", "current_sensor", "torque_sensor", "speed_sensor"}
+          "pressure_sensor", "current_sensor", "torque_sensor", "speed_sensor", "format", "role", "direction",
+          "address", "bind", "shared_memory", "hardware", "limits", "rest"}
 
 
 def options(**given: Any) -> Dict[str, Any]:

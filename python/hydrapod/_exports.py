@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import Any, List, NamedTuple, Optional, Sequence
+from typing import Any, List, NamedTuple, Optional, Sequence, Tuple
 
 from . import _checks, _core
 from ._checks import Texts
@@ -49,13 +49,13 @@ def export(machine: Machine, path: Path, *, to: Optional[str] = None, system: Op
            inputs: Optional[Texts] = None, outputs: Optional[Texts] = None,
            point: Optional[Sequence[Quantity]] = None, reduce: Optional[int] = None,
            leg_modes: Optional[int] = None, approximate: bool = False) -> Export:
-    """Writes the machine as a file for another program, as `hydrapod export` does.
+    """Writes the machine as a file for another program.
 
-    to: mat, npz, json, hdf5 (state space), uff (modes), mtx, dmig (superelement), mjcf, sdf, urdf (multibody),
-    fmu2, fmu3 (functional mock-up unit); default: by the ending. system: default mechanics for a state space,
-    plant for an FMU. Other options: see machine_state_space() and superelement(). approximate: write also what
-    the format holds only in part. Raises InputError where a format cannot hold the machine; nothing is written
-    then. Source: docs/howto/exchange.md.
+    path: file to write. to: mat, npz, json, hdf5 (state space), uff (modes), mtx, dmig (superelement), mjcf, sdf,
+    urdf (multibody), fmu2, fmu3 (functional mock-up unit); default: by the ending. system: default mechanics for a
+    state space, plant for an FMU. Other options: see machine_state_space() and superelement(). approximate: write
+    also what the format holds only in part. Raises InputError where a format cannot hold the machine; nothing is
+    written then. Source: docs/howto/exchange.md. C++: tasks::export_machine in hydrapod/tasks/linear.hpp.
     """
     name = os.fspath(path)
     if to is None:
@@ -77,10 +77,11 @@ def machine_state_space(machine: Machine, *, system: str = "mechanics", sample_t
                         reduce: Optional[int] = None) -> MachineStateSpace:
     """A, B, C, D with names of states, inputs and outputs.
 
-    system: mechanics (states y, ẏ; inputs wrench at the point and forces of the oil columns), plant (with
-    hydraulics or electric drives) or loop (with the controller). sample_time: discretised, inputs held [s].
-    sampled: the loop as its controller samples it, exactly. point: three lengths in the platform frame; default: the mass centre.
-    reduce: states of a balanced truncation; the bound of its error stands in to_dict()["reduction"].
+    system: mechanics (states y, ẏ; inputs wrench at the point and forces of the oil columns), plant (with hydraulics
+    or electric drives) or loop (with the controller). sample_time: discretised, inputs held [s]. pade_order: 0 to 8,
+    of the delay. sampled: the loop as its controller samples it, exactly. point: three lengths in the platform frame;
+    default: the mass centre. reduce: states of a balanced truncation; the bound of its error stands in
+    to_dict()["reduction"].
 
     Result: A, B, C, D; states, inputs, outputs; state_units, …; state_rest, input_rest, output_rest (values at
     the operating point: x, u and y are small changes from them); sample_time [s], 0: continuous; delay [s].
@@ -115,8 +116,9 @@ class MultibodyText(NamedTuple):
 def multibody_text(machine: Machine, format: str = "mjcf") -> MultibodyText:
     """The mechanism at rest as MJCF, SDF or URDF; parity lists what the format holds. Nothing is written.
 
-    Result: text [SI, rad], sidecar, parity; see MultibodyText. Raises InputError for a format that is unknown.
-    Source: docs/howto/exchange.md.
+    format: mjcf, sdf or urdf. Result: text [SI, rad], sidecar, parity; see MultibodyText. Raises InputError for a
+    format that is unknown, ComputationError where the machine does not stand at its pose. Source:
+    docs/howto/exchange.md.
     """
     text, sidecar, parity = _core.multibody(_core_of(machine), _checks.word(format, "format"))
     return MultibodyText(text, sidecar, [ParityLine(*line) for line in parity])
@@ -127,3 +129,53 @@ def to_mujoco(machine: Machine) -> Any:
     import mujoco  # type: ignore[import]
 
     return mujoco.MjModel.from_xml_string(multibody_text(machine, "mjcf").text)
+
+
+class Attached(NamedTuple):
+    """A machine with a structure on its platform, and the m modes that stand for the structure."""
+
+    machine: Machine
+    names: List[str]  #: of the modes in machine.text
+    frequency_hz: Any  #: (m,) [Hz]
+    damping_ratio: Any  #: (m,) shares of critical damping
+    participation: Any  #: (m, 3) [√kg]: its square is the mass that moves along x, y, z
+    mass: float  #: of the structure [kg]
+    first_left_out_hz: float  #: lowest mode that is not kept [Hz]; its mass moves with the platform; 0: all are kept
+    coupling: Tuple[float, float, float]  #: of two modes by the damping matrix: share, and their frequencies [Hz]
+
+
+def attach(machine: Machine, stiffness: Optional[Path] = None, mass: Optional[Path] = None,
+           damping: Optional[Path] = None, *, punch: Optional[Path] = None, uff: Optional[Path] = None,
+           grid: Optional[int] = None, at: Sequence[Quantity] = (0.0, 0.0, 0.0), modes: Optional[int] = None,
+           damping_ratio: Optional[Quantity] = None, add_mass: bool = False, path: Optional[Path] = None) -> Attached:
+    """The machine with a structure on its platform that another program has reduced to a superelement.
+
+    stiffness, mass, damping: Matrix Market files: x, y, z, rx, ry, rz of the interface, then inner coordinates. punch:
+    a Nastran punch file (DMIG) in place of them. uff: a Universal File in place of them, with matrices (252, 2453) or
+    modes (55). grid: point of a punch file, or node in a Universal File, that is the platform. at: the interface on the
+    platform, three lengths [m] in its frame. modes: how many are kept, the lowest; default: six in all. damping_ratio:
+    of modes whose damping the files do not state, 0.02 or "2 %". add_mass: adds mass and inertia of the structure to
+    those of the platform. path: machine file to write; the new machine is then called by it.
+
+    Result, an Attached: machine, names, frequency_hz (m,) [Hz], damping_ratio (m,), participation (m, 3) [√kg],
+    mass [kg], first_left_out_hz [Hz], coupling.
+    Raises InputError for matrices that are none, and for a payload that weighs more than the platform of the file.
+    Source: docs/howto/exchange.md. C++: tasks::attach_payload in hydrapod/tasks/linear.hpp.
+    """
+    given = [one for one in (stiffness, punch, uff) if one is not None]
+    if len(given) != 1:
+        raise ValueError("expected one of stiffness with mass (Matrix Market), punch (Nastran) or uff (Universal File)")
+    if stiffness is not None and mass is None:
+        raise ValueError("mass: stiffness needs the mass matrix too")
+    if stiffness is None and not (mass is None and damping is None):
+        raise ValueError("mass, damping: punch and uff have them in their file; leave them out")
+    options = _checks.options(
+        stiffness=os.fspath(given[0]), mass=None if mass is None else os.fspath(mass),
+        damping=None if damping is None else os.fspath(damping), grid=grid, point=_point(at), modes=modes,
+        damping_ratio=damping_ratio, add_mass=add_mass)
+    text, *found = _core.attach(_core_of(machine), {**options, "universal": uff is not None})
+    attached = Machine(text, path=machine.path if path is None else os.fspath(path), pose=machine.pose,
+                       model=machine.model)
+    if path is not None:
+        attached.write(path)
+    return Attached(attached, *found)

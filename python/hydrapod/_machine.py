@@ -323,12 +323,13 @@ class Machine:
 
 def read_machine(path: Union[str, "os.PathLike[str]"], *, overrides: Mapping[str, Value] = {},
                  pose: str = "neutral", model: Optional[str] = None) -> Machine:
-    """Reads and checks a machine file (TOML); `path` may also be the text of one (with line breaks).
+    """Reads the file and judges the machine at all its poses.
 
+    path: a machine file (TOML), or the text of one (with line breaks).
     overrides: {PATH: value} laid over the file, as --set. pose: a pose of the file, or displacements from the
     neutral pose ("z=50 mm, ry=5 deg"). model: rigid, guide or full; default: full where the file has piston
     rings, else guide. Raises InputError with all mistakes, each with file, line, column and what would be
-    accepted. Keys and units: docs/howto/machine-file.md.
+    accepted. Keys and units: docs/howto/machine-file.md. C++: tasks::read_machine in hydrapod/tasks/machine.hpp.
     """
     name = os.fspath(path)
     if not isinstance(name, str):
@@ -387,5 +388,17 @@ def build_machine(**tables: Any) -> Machine:
 
 
 def starter_machine_file() -> str:
-    """A commented machine file to start from, as `hydrapod init` writes it."""
+    """A commented machine file to start from; it is sound and describes a plausible motion platform.
+
+    The same as `hydrapod init` writes. C++: model::starter_machine_file in hydrapod/model/machine_file.hpp.
+    """
     return _core.starter_machine_file()
+
+
+def parameter_reference() -> str:
+    """The tables of docs/howto/machine-file.md, in Markdown.
+
+    All keys of a machine file with their units, as `hydrapod init --reference` prints them.
+    C++: model::parameter_reference in hydrapod/model/parameters.hpp.
+    """
+    return _core.parameter_reference()

@@ -61,13 +61,14 @@ def forward_kinematics(machine: Machine, lengths: Any, *, start: Any = None) -> 
 
 
 def modes_at_amplitudes(machine: Machine, amplitudes: Any) -> ModesAtAmplitudes:
-    """Modes at given amplitudes by harmonic balance: what guide rings, elastomers and friction make of them.
+    """Modes at amplitudes [m] of the platform joint that moves most, by harmonic balance.
 
-    amplitudes: of the platform joint that moves most [m], above 0, ascending; a number or (k,). Result, m branches of
-    modes that move the platform: frequency_hz, damping_ratio, sleeve_amplitude [m], each (m, k), NaN where a branch does
-    not have the amplitude, the first solution where it has several; amplitudes (k,); numbers (m,) of the undamped modes,
-    counted from 0; directions (m); from_long_swings (m), of second branches of modes.
-    Raises ValueError for amplitudes that do not ascend. Source: docs/theory/amplitude.md.
+    They show what guide rings, elastomers and friction make of the modes. amplitudes: of the platform joint that
+    moves most [m], above 0, ascending; a number or (k,). Result, m branches of modes that move the platform:
+    frequency_hz, damping_ratio, sleeve_amplitude [m], each (m, k), NaN where a branch does not have the amplitude,
+    the first solution where it has several; amplitudes (k,); numbers (m,) of the undamped modes, counted from 0;
+    directions (m); from_long_swings (m), of second branches of modes. Raises ValueError for amplitudes that do not
+    ascend. Source: docs/theory/amplitude.md. C++: tasks::modes_at_amplitudes in hydrapod/tasks/linear.hpp.
     """
     values = np.atleast_1d(_checks.real_array(amplitudes, "amplitudes"))
     if values.ndim != 1:

@@ -29,14 +29,19 @@ class Plant:
         for _ in range(1000):
             displacement = plant.step(commands, 1e-3)      # commands: six valves in [-1, 1]
 
-    It starts at rest at the machine's pose. integrator: fixed (Runge-Kutta 4 with steps of at most
-    `fixed_step`), exponential or adaptive (errors below `tolerance`). hydraulics=False: legs on oil springs, no valves.
+    It starts at rest at the machine's pose. integrator: exponential (the default) or adaptive (errors below
+    `tolerance`), or fixed (Runge-Kutta 4 with steps of at most `fixed_step`, equal work in every step; the default where
+    fixed_step is given). hydraulics=False: legs on oil springs, no valves.
     Steps of one plant from several threads come one after the other; several plants run at once.
     """
 
-    def __init__(self, machine: Machine, *, hydraulics: bool = True, integrator: str = "fixed",
-                 fixed_step: Quantity = 1e-4, tolerance: float = 1e-6):
-        step = _core.quantity(fixed_step, "s", "fixed_step")
+    def __init__(self, machine: Machine, *, hydraulics: bool = True, integrator: Optional[str] = None,
+                 fixed_step: Optional[Quantity] = None, tolerance: float = 1e-6):
+        if integrator is None:
+            integrator = "exponential" if fixed_step is None else "fixed"
+        elif integrator != "fixed" and fixed_step is not None:
+            raise ValueError(f"fixed_step: is for integrator=\"fixed\", not for {integrator!r}")
+        step = 1e-4 if fixed_step is None else _core.quantity(fixed_step, "s", "fixed_step")
         tolerance = _checks.number(tolerance, "tolerance")
         if not 1e-7 <= step <= 1e-2:
             raise ValueError(f"fixed_step: expected 1e-7 s to 0.01 s, got {step}")

@@ -181,9 +181,11 @@ class Record:
 
 
 def read_record(path: Union[str, "os.PathLike[str]"], *, rate: Optional[Quantity] = None) -> Record:
-    """Reads a whole record: HDF5, MAT, CSV, Universal File or RPC III (docs/howto/record.md).
+    """The whole record at once.
 
-    rate: sample rate [Hz] of files that do not tell it. Raises InputError.
+    path: HDF5, MAT, CSV, Universal File or RPC III.
+    rate: sample rate [Hz] of files that do not tell it. Raises InputError. Source: docs/howto/record.md.
+    C++: data::read_record in hydrapod/data/record_io.hpp.
     """
     name = os.fspath(path)
     if not isinstance(name, str):

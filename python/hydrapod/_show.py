@@ -110,6 +110,16 @@ def _design(d: Any) -> Table:
             f"trade-off of {len(d.front_aims)} points" if len(d.front_aims) else "")
 
 
+def _record_overview(r: Any) -> Table:
+    rows = [(name, unit, role, f"{mean:.5g}", f"{rms:.5g}", f"{peak:.5g}", f"{f:.4g}" if f else "–", str(limit or ""),
+             str(missing or "")) for name, unit, role, mean, rms, peak, f, limit, missing in
+            zip(r.channels, r.units, r.roles, r.mean, r.rms, r.peak, r.strongest_frequency_hz, r.at_limit,
+                r.missing + r.infinite)]
+    return (f"{len(rows)} channels, {r.samples} samples at {r.sample_rate:.9g} Hz",
+            ["channel", "unit", "role", "mean", "RMS", "peak", "strongest Hz", "at limit", "missing"], rows,
+            "\n".join(r.warnings))
+
+
 def _compared_records(compared: Any) -> Any:
     """A row per pair of modes, as a NumPy record array; things and modes count from 0."""
     columns = {name: np.asarray(column) if len(column) else np.zeros(0)
@@ -166,6 +176,9 @@ _tables: Dict[type, Callable[[Any], Table]] = {
     _core.Simulation: _plain(lambda s: f"{s.simulated:.6g} s simulated of {s.until:.6g} s: "
                                        f"{' + '.join(s.commands) or 'rest'}"
                                        + ("" if s.finished else f"; ended early: {s.message}")),
+    _core.RecordOverview: _record_overview,
+    _core.Served: _plain(lambda s: f"{s.time:.6g} s at {s.place}, {s.samples} samples; platform {s.state}"
+                                   + (f"; ended early: {s.message}" if s.message else "")),
     _core.Report: _plain(lambda r: f"report of {len(r.html)} characters; .write(path) writes the page"),
 }
 

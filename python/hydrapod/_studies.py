@@ -100,13 +100,15 @@ def montecarlo(machine: Machine, vary: Mapping[str, str], *, want: Texts = (), s
     """Scatter of numbers of the file: distributions of modes, probability of missing a requirement.
 
     vary: {PATH: "normal ± 10 %"}; normal, lognormal, uniform, triangular, "… per leg". want: requirements,
-    "x >= 6 Hz". design: random, latin or sobol. indices: Sobol indices, with d + 2 rows a sample. results:
-    HDF5 file of the rows, which resume, shard=(i, n) and join need.
+    "x >= 6 Hz". samples: rows. design: random, latin or sobol. indices: Sobol indices, with d + 2 rows a sample. modes:
+    those of the platform that are followed. buckling: the buckling payload too. results: HDF5 file of the rows, which
+    resume (go on with it), shard=(i, n) (part i of n) and join (put the parts together) need.
 
     Result, N rows: values (N, columns) [SI, frequencies in Hz], names, units, meanings; study["x"] is a column,
     NaN where it cannot be computed; study["status"] says why. requirements, probability_of_missing and
     probability_interval (95 %), worst_rows; machine(row); to_records(), to_pandas(); the rest in to_dict().
     Raises InputError for a path, a distribution or a requirement that cannot be. Source: docs/theory/study.md.
+    C++: tasks::prepare_study in hydrapod/tasks/study.hpp.
     """
     return _run(machine, "montecarlo", progress, results,
                 vary={path: _checks.word(text, path) for path, text in _paths(vary, "vary").items()},
@@ -118,12 +120,14 @@ def sweep(machine: Machine, over: Over, *, want: Texts = (), outputs: Optional[O
           design: str = "grid", samples: int = 10000, seed: int = 1, modes: int = 6, buckling: bool = False,
           threads: int = 0, results: Optional[Path] = None, resume: bool = False,
           shard: Optional[Tuple[int, int]] = None, join: bool = False, progress: Optional[Progress] = None) -> Study:
-    """Modes over a grid of numbers of the file, or (design latin, sobol) over values that fill it evenly.
+    """Modes over a grid of numbers, or over values that fill it evenly.
 
     over: {PATH: "2:20:10 kN/mm"}, a list "1, 2, 5 kN/mm", or an array in SI. outputs: {NAME: function of a
     Machine} adds columns of your own: see Study.evaluate; where progress stops the study they are NaN.
+    design: grid, latin or sobol. Others: see montecarlo().
     Result: as montecarlo(); of a grid, shape are the counts, study["x"].reshape(study.shape) the field.
     Raises as montecarlo(); ValueError and TypeError for outputs that cannot be columns. Source: docs/theory/study.md.
+    C++: tasks::prepare_study in hydrapod/tasks/study.hpp.
     """
     return _with_outputs(machine, "sweep", progress, results, outputs, over=_texts(over),
                          want=_checks.words(want, "want"), design=design, samples=samples, seed=seed, modes=modes,
@@ -134,11 +138,12 @@ def workspace_map(machine: Machine, over: Over, *, want: Texts = (), outputs: Op
                   modes: int = 6, buckling: bool = False, threads: int = 0, results: Optional[Path] = None,
                   resume: bool = False, shard: Optional[Tuple[int, int]] = None, join: bool = False,
                   progress: Optional[Progress] = None) -> Study:
-    """Modes over the workspace (`hydrapod map`).
+    """Modes over the workspace.
 
     over: {DIRECTION: "-100:100:41 mm"} or arrays [m, rad]; directions x … rz, from the machine's pose.
     Result: as sweep(); the columns of the displacements are "pose.x" …, for "x" is the first resonance in x.
     Raises as sweep(). outputs need a map from the pose neutral. Source: docs/theory/study.md.
+    C++: tasks::prepare_study in hydrapod/tasks/study.hpp.
     """
     if outputs and machine.pose != "neutral":
         raise ValueError(f"outputs: need a map from the pose neutral, and the machine is at {machine.pose}")
@@ -162,6 +167,7 @@ def design(machine: Machine, change: Mapping[str, Any], *, minimise: Texts = (),
     and front_values (n, changes); limits and the rest in to_dict(). Where no design meets all requirements,
     feasible is False, values are those of the least violation, and machine raises ComputationError.
     Raises InputError for a path, a range, a requirement or an aim that cannot be. Source: docs/theory/study.md.
+    C++: tasks::prepare_design in hydrapod/tasks/study.hpp.
     """
     return _core.design(_core_of(machine), _checks.options(
         change=_bounds(change), minimise=_checks.words(minimise, "minimise"),
@@ -331,5 +337,3 @@ class DesignFunction:
         function.setInputDescription(self.paths)
         function.setOutputDescription([f"mode {k + 1} [Hz]" for k in range(self.modes)])
         return function
-
-

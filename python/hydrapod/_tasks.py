@@ -5,7 +5,7 @@ from __future__ import annotations
 import numbers
 import os
 import tempfile
-from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
@@ -44,6 +44,10 @@ def _core_of(machine: Machine) -> _core.Machine:
     return machine._core_machine
 
 
+def _path(given: Optional[Path]) -> Optional[str]:
+    return None if given is None else os.fspath(given)
+
+
 def _point(given: Any) -> List[Quantity]:
     """Three lengths."""
     items = [] if isinstance(given, str) else list(given) if hasattr(given, "__len__") else []
@@ -70,18 +74,19 @@ def modes(machine: Machine, *, matrices: bool = False) -> Modes:
         answer               lowest mode the platform feels, in one sentence
     A machine that buckles at this pose has unstable modes: stable is False, their frequency is 0.
     Raises ComputationError where it has no equilibrium. Source: docs/theory/linear-model.md.
+    C++: tasks::modes in hydrapod/tasks/linear.hpp.
     """
     return _core.modes(_core_of(machine), _checks.flag(matrices, "matrices"))
 
 
 def modes_at_poses(machine: Machine, poses: Texts) -> ModesAtPoses:
-    """Modes at several poses (two or more), each followed by its shape from pose to pose.
+    """Modes at several poses, two or more, each followed by its shape from pose to pose.
 
     poses: names of the file or displacements from the neutral pose ("z=50 mm"). Result, m followed modes,
     p poses: frequency_hz (m, p), NaN where there is no such mode; mac (m, p) with the mode at the pose before;
     numbers (m, p), counted from 0, -1 for none; labels, poses.
     frequency_hz [Hz], mac [1]. Raises InputError for a pose that is unknown or out of reach, ValueError for fewer
-    than two. Source: docs/theory/linear-model.md.
+    than two. Source: docs/theory/linear-model.md. C++: tasks::modes_at_poses in hydrapod/tasks/linear.hpp.
     """
     return _core.modes_at_poses(_core_of(machine), _checks.words(poses, "poses"))
 
@@ -95,18 +100,20 @@ def system(machine: Machine, *, closed: bool = True, pade_order: int = 2) -> Sys
     matrix of the sampled loop), poles [1/s] (least damped in time first, one of each pair), damping_ratio,
     participation, stable (of the sampled loop), verdict, delay [s], sample_time [s].
     Raises ComputationError where the supply cannot hold the machine at this pose, ValueError for an order that
-    cannot be. Source: docs/theory/control.md.
+    cannot be. Source: docs/theory/control.md. C++: tasks::system in hydrapod/tasks/linear.hpp.
     """
     return _core.system(_core_of(machine), _checks.flag(closed, "closed"), _checks.whole(pade_order, "pade_order"))
 
 
 def root_locus(machine: Machine, key: str, start: float, stop: float, count: int = 11, *, closed: bool = True,
                pade_order: int = 2, progress: Optional[Progress] = None) -> RootLocus:
-    """Poles of the system over one number of the file, `count` values from start to stop [SI].
+    """Poles over one number of the machine file.
 
+    key: its path; `count` values from start to stop [SI]. closed, pade_order: see system().
     Result: key, values, poles (a list of arrays), limits (values at which stability changes).
     values [SI], poles [1/s]. Raises InputError for a path that is unknown and values that cannot be,
     ComputationError where progress stops. Source: docs/theory/control.md.
+    C++: tasks::root_locus in hydrapod/tasks/linear.hpp.
     """
     with all_or_none(progress) as told:
         return _core.root_locus(
@@ -126,9 +133,10 @@ def bode(machine: Machine, *, input: str = "wrench", output: str = "displacement
     point: three lengths in the platform frame; default: the mass centre.
 
     Result: frequency_hz [Hz], omega [rad/s] (points,), H and H_rigid (points, 6, 6): H[k, out, in], complex, of an
-    input of 1 N or 1 N m [m, rad; per s, per s²]; stable: False where no steady vibration exists, and the responses are
-    those of the linear equations. Raises InputError for a band or a point that cannot be, ComputationError where the
-    machine has no equilibrium. Source: docs/theory/linear-model.md.
+    input of 1 N or 1 N m [m, rad; per s, per s²]; stable: False where no steady vibration exists, and the responses
+    are those of the linear equations. Raises InputError or ValueError for a band, a number of points or a point that
+    cannot be, ComputationError where the machine has no equilibrium. Source: docs/theory/linear-model.md. C++:
+    tasks::bode in hydrapod/tasks/linear.hpp.
     """
     result: Union[Bode, CommandResponse] = _core.bode(_core_of(machine), {"from": from_, **_checks.options(
         input=input, output=output, to=to, points=points, point=None if point is None else _point(point))})
@@ -136,22 +144,25 @@ def bode(machine: Machine, *, input: str = "wrench", output: str = "displacement
 
 
 def check(machine: Machine, *, all_poses: bool = True) -> Check:
-    """Is the machine sound? Leg lengths, strokes, static forces, buckling load; at all poses of the file.
+    """Lengths, static forces and buckling loads of the legs, and whether the machine is sound.
 
     all_poses=False: at the machine's pose alone. Result, p poses: sound, verdict, warnings, poses, lengths [m],
     axial_force [N, + compression], oil_stiffness [N/m], tilt [rad] (p, 6), buckling_payload [kg] (p,), NaN
     where there is none.
     A machine that is not sound raises nothing: sound is False. Source: docs/theory/capability.md.
+    C++: tasks::check in hydrapod/tasks/linear.hpp.
     """
     return _core.check(_core_of(machine), _checks.flag(all_poses, "all_poses"))
 
 
 def sensitivity(machine: Machine, parameters: Texts = ()) -> Sensitivity:
-    """Change of each frequency per change of each number of the file: d ln ω / d ln p.
+    """Change of each frequency per change of each number of the machine file.
 
-    parameters: paths; default: all that matter. Result: parameters, omega (n,), percent_per_percent (n, p).
+    d ln ω / d ln p. parameters: paths; default: all that matter.
+
+    Result: parameters, omega (n,), percent_per_percent (n, p).
     omega [rad/s], percent_per_percent [1]; NaN for modes that buckle. Raises InputError for a path that is
-    unknown. Source: docs/theory/linear-model.md.
+    unknown. Source: docs/theory/linear-model.md. C++: tasks::sensitivity in hydrapod/tasks/linear.hpp.
     """
     return _core.sensitivity(_core_of(machine), _checks.words(parameters, "parameters"))
 
@@ -197,19 +208,21 @@ def simulate(machine: Machine, commands: Texts = (), *, wrench: Texts = (), init
              progress: Optional[Progress] = None) -> Simulation:
     """Time simulation: mechanics, hydraulics, controller.
 
-    commands: "step z=5 mm", "sine ry=2 deg, frequency=1 Hz", … (hydrapod simulate --help); they add up.
-    wrench: force and moment about the mass centre, "sine x=500 N, frequency=4 Hz".
-    initial: displacement from the pose at which the platform is released, "x=1 mm, ry=0.1 deg".
-    actuators: "controlled"; "held", valves that stay as at rest, or motors held at the speed 0; "springs",
-    mechanics alone on oil springs, or with locked motors.
-    record: file to write (.h5, .mat, .csv, .uff). A run that ends early has everything up to there: see
-    finished and message.
+    commands: "step z=5 mm", "sine ry=2 deg, frequency=1 Hz", … (hydrapod simulate --help); they add up. wrench: force
+    and moment about the mass centre [N, N m], "sine x=500 N, frequency=4 Hz". initial: displacement from the pose at
+    which the platform is released, "x=1 mm, ry=0.1 deg". actuators: "controlled"; "held", valves that stay as at
+    rest, or motors held at the speed 0; "springs", mechanics alone on oil springs, or with locked motors. until: end
+    [s]; default: shortly after the commands. integrator: exponential, adaptive, adams or bdf with errors below
+    tolerance (relative), or fixed with steps of step [s]. seed: of noise in sensors and commands. ideal_sensors:
+    without noise, resolution and range. output_interval: between samples of the record [s]; default: the
+    controller's. trace_samples: of the arrays of the result, at most. record: file to write (.h5, .mat, .csv, .uff).
+    A run that ends early has everything up to there: see finished and message.
 
     Result, N samples: time [s] (N,), command and motion [m, rad] (N, 6), piston [m], drive, cap_pressure,
     rod_pressure [Pa] (N, 6), rms_error, peak_error (6,), record, warnings. Of electric cylinders nut [m],
     motor_speed [rad/s], torque [N m] (N, 6), and no pressures.
     Raises InputError for signals and options that cannot be, ComputationError where the machine cannot be held at
-    its pose. Source: docs/theory/nonlinear.md.
+    its pose. Source: docs/theory/nonlinear.md. C++: tasks::simulate in hydrapod/tasks/simulation.hpp.
     """
     return _core.simulate(_core_of(machine), _checks.options(
         commands=_checks.words(commands, "commands"), wrench=_checks.words(wrench, "wrench"), initial=initial,
@@ -217,41 +230,6 @@ def simulate(machine: Machine, commands: Texts = (), *, wrench: Texts = (), init
         integrator=integrator, tolerance=tolerance, step=step, seed=seed, ideal_sensors=ideal_sensors,
         output_interval=output_interval, trace_samples=trace_samples,
         record=None if record is None else os.fspath(record)), progress)
-
-
-class RigRun(NamedTuple):
-    """A run of the virtual test rig."""
-
-    record: str  #: the file
-    samples: int
-    findings: List[str]  #: levels that do not fit
-    finished: bool
-    message: str
-
-
-def rig(machine: Machine, record: Optional[Path] = None, *, excite: Texts = (), entry: str = "command",
-        duration: Optional[Quantity] = None, averages: int = 0, settling: Optional[Quantity] = None,
-        rate: Optional[Quantity] = None, oversampling: int = 2, seed: int = 1, repeat: int = 1,
-        accelerometers: Optional[Sequence[str]] = None, length_sensor: Optional[str] = None,
-        pressure_sensor: Optional[str] = None, current_sensor: Optional[str] = None,
-        torque_sensor: Optional[str] = None, speed_sensor: Optional[str] = None,
-        drop_outs: Optional[Quantity] = None, anti_alias: bool = True, above_limits: bool = False,
-        progress: Optional[Progress] = None) -> RigRun:
-    """Simulated test rig: excites the machine in six directions and writes a record.
-
-    record: file to write; None: only the levels are checked. excite: signals ("white all=0.1 mm"), default
-    white noise. entry: command, drive or wrench. Raises InputError for levels that do not fit, unless
-    above_limits. Keys: hydrapod rig --help.
-    Result, a RigRun: record, samples, findings, finished and message. Source: docs/howto/rig.md.
-    """
-    return RigRun(**_core.rig(_core_of(machine), _checks.options(
-        record=None if record is None else os.fspath(record), excite=_checks.words(excite, "excite"), entry=entry,
-        duration=duration, averages=averages, settling=settling, rate=rate, oversampling=oversampling,
-        seed=seed, repeat=repeat,
-        accelerometers=None if accelerometers is None else _checks.words(accelerometers, "accelerometers"),
-        length_sensor=length_sensor,
-        pressure_sensor=pressure_sensor, current_sensor=current_sensor, torque_sensor=torque_sensor,
-        speed_sensor=speed_sensor, drop_outs=drop_outs, anti_alias=anti_alias, above_limits=above_limits), progress))
 
 
 # --- measurements ---------------------------------------------------------------------------------
@@ -278,18 +256,25 @@ def frf(measured: Measured, *, machine: Union[Machine, Path, None] = None, pose:
         rate: Optional[Quantity] = None, exponential_window: Optional[Quantity] = None,
         accelerometers: bool = False, sensors: Texts = (), point: Optional[Sequence[Quantity]] = None,
         progress: Optional[Progress] = None) -> Frf:
-    """Frequency responses from records (files or Record objects, averaged together).
+    """Frequency responses of records, averaged together, or half spectra.
 
-    input_from: drive (the machine without its controller) or excitation (with it); default: as the record
-    says. estimator: auto, h1, h2, hv or iv. overlap: a share. whole_record: of a short one, modes from all of it at
-    once, or an error where that cannot be. machine: what was measured, a Machine or a
-    file; default: the one in the record. exponential_window: time constant of the window that an analyser
-    applied after a hit. Keys: hydrapod frf --help.
+    measured: files, Record objects or a list of these. inputs, outputs: names of channels; default: by their roles.
+    instruments: names of the external excitations of a closed loop; default: of the role excitation. input_from:
+    drive (the machine without its controller) or excitation (with it); default: as the record says. estimator: auto,
+    h1, h2, hv or iv. window: hann, rectangular, hamming, blackman-harris or flat-top. block: samples; default: from
+    the length of the record. overlap: a share. period: of the excitation [s]; 0: none; default: found out. settling:
+    time at the beginning that is left out [s]. rate: sample rate [Hz] of files that do not tell it. accelerometers:
+    outputs are the accelerometers, as accelerations of the platform. sensors: their places, "NAME, at=X Y Z,
+    along=x"; default: those of the record. point: three lengths in the platform frame, whose motion is meant;
+    default: the mass centre. pose, model: default: those of the record. whole_record: of a short one, modes from all
+    of it at once, or an error where that cannot be. machine: what was measured, a Machine or a file; default: the one
+    in the record. exponential_window: time constant of the window that an analyser applied after a hit [s].
 
     Result, L lines: frequency_hz (L,), H and deviation (L, outputs, inputs), coherence, inputs, outputs,
     warnings.
     H in the units of outputs per inputs (SI). Raises InputError for records that do not fit, ComputationError
     where a record is too short, an input has no excitation, or progress stops. Source: docs/theory/identification.md.
+    C++: tasks::frf in hydrapod/tasks/measurement.hpp.
     """
     with files_of(measured) as files, all_or_none(progress) as told:
         return _core.frf(_measure_options(machine, dict(
@@ -311,14 +296,16 @@ def identify(measured: Measured, *, machine: Union[Machine, Path, None] = None, 
              progress: Optional[Progress] = None) -> Identified:
     """Modes of records or responses, with their uncertainty, compared with the machine where it is known.
 
-    from_, to: band [Hz]. highest_damping: a share. against: auto, mechanics, plant, system or none. Other
-    options: see frf().
+    from_, to: band [Hz]. order: highest order of the models; default: from the number of references. highest_damping: a
+    share. against: the model to compare with: auto, mechanics, plant, system or none. bootstrap: draws to check the
+    intervals with; 0: none. output_only: from the outputs alone, without measured excitation. Others: see frf().
 
     Result, n modes: frequency_hz, frequency_deviation_hz, damping_ratio, damping_deviation, quality (n,);
     shapes (outputs, n) as displacements; outputs, inputs, motion, warnings. Deviations are standard deviations.
     L lines: line_frequency_hz (L,), H and deviation (measured), H_modes (of the modes) (L, outputs, inputs),
     mode_indicator: singular values of H (L, k). With 95 % probability H is off by less than radius_95 deviations.
     Raises as frf() does. Where there is no mode, n is 0 and warnings say why. Source: docs/theory/identification.md.
+    C++: tasks::identify in hydrapod/tasks/measurement.hpp.
     """
     with files_of(measured) as files, all_or_none(progress) as told:
         return _core.identify(_measure_options(machine, {"from": from_, **dict(
@@ -334,16 +321,17 @@ def calibrate(machine: Machine, targets: Union[Path, Record, Identified], free: 
               priors: Optional[Mapping[str, Tuple[Quantity, Quantity]]] = None, alternatives: Texts = (),
               profiles: Texts = (), loss: Optional[str] = None, starts: Optional[int] = None,
               seed: Optional[int] = None, threads: int = 0, progress: Optional[Progress] = None) -> Calibrated:
-    """Fits numbers of the file to measured modes.
+    """Fits numbers of the machine file to measured modes.
 
     targets: an Identified, or a file: TOML, CSV, or what identify writes. free: paths, or
     {PATH: (lowest, highest) or None}; "a, b" ties two. priors: {PATH: (value, spread)}.
-    alternatives: overrides to be tried, "PATH=VALUE".
+    alternatives: overrides to be tried, "PATH=VALUE". profiles: free paths over which the misfit is computed too. loss:
+    automatic, squares, or cauchy (little weight of outliers). starts: per combination, all but one random.
 
     Result of the best combination: parameters, units, values, deviations, verdicts, misfit, remarks,
     interrupted; text: the calibrated machine file, with its comments.
     values and deviations [SI]. Raises InputError for targets, paths and bounds that cannot be, ComputationError
-    where no fit is found. Source: docs/theory/calibration.md.
+    where no fit is found. Source: docs/theory/calibration.md. C++: tasks::calibrate in hydrapod/tasks/fit.hpp.
     """
     with files_of(targets) as files:
         return _core.calibrate(_core_of(machine), _checks.options(
@@ -392,14 +380,15 @@ def compare(*things: Union[Machine, Record, Identified, Frf, Path], overrides: M
     """Machines, poses, records and identified modes side by side, the first with each other one.
 
     things: Machine and Record objects, results of identify() and frf(), or files (machine.toml@low, modes.json,
-    run.h5); a machine that is no file is called by the path of a temporary one. overrides: for every
-    machine file; of one machine alone: it is compared with the changed one. poses: of one machine alone, two or
-    more. level: of all tests of one comparison together.
+    run.h5); a machine that is no file is called by the path of a temporary one. overrides: for every machine file; of
+    one machine alone: it is compared with the changed one. poses: of one machine alone, two or more. model: rigid,
+    guide or full; default: that of the first machine. level: of all tests of one comparison together.
 
     Result: things, descriptions, test; to_records(): a row per pair of modes with mac, differences (second less
     first), p and verdicts (significant, not_significant, calculated, cannot_say); the rest in to_dict().
     frequency_hz and frequency_difference_hz [Hz], mac, p and damping as shares. Raises InputError for things that
     cannot be compared, ComputationError where progress stops. Source: docs/howto/compare.md.
+    C++: tasks::compare in hydrapod/tasks/measurement.hpp.
     """
     lines = _lines(overrides)
     machines = [thing for thing in things if isinstance(thing, Machine)]
@@ -444,11 +433,14 @@ def diagnose(machine: Machine, measured: Measured = (), *, against: str = "auto"
     """Cause of low frequencies, its uncertainty, and the stiffness that is required.
 
     measured: modes, responses or records ("run.h5@high" names the pose). want: a largest drop ("2 %", or a
-    number below 1) or a lowest frequency ("5 Hz", "x=5 Hz"). poses: names, or "workspace". Errors are shares.
+    number below 1) or a lowest frequency ("5 Hz", "x=5 Hz"). poses: names, or "workspace". against: the system that was
+    measured: auto, mechanics, plant or system. model_error, shape_error, response_error: uncertainty of a right model's
+    frequencies, shapes and responses, as shares. modes_only: without the responses. damping: damping ratios too.
 
     Result: summary (sentences), finding, hypotheses (best first), bic, warnings; the rest in to_dict().
     Raises InputError for a measurement without modes and goals that cannot be. A diagnosis that progress stopped
     says so in its summary, or raises ComputationError. Source: docs/theory/diagnosis.md.
+    C++: tasks::diagnose in hydrapod/tasks/fit.hpp.
     """
     with files_of(measured) as files, all_or_none(progress, parts=True) as told:
         return _core.diagnose(_core_of(machine), _diagnosis(files, dict(
@@ -466,14 +458,16 @@ def report(machine: Machine, path: Optional[Path] = None, *, poses: Texts = (), 
            input_from: Optional[str] = None, against: str = "auto", diagnose: Optional[Measured] = None,
            want: Optional[Quantity] = None, compare: Union[Path, Compared, None] = None,
            progress: Optional[Progress] = None) -> Report:
-    """One HTML page with moving modes, Bode diagrams and all numbers; written to `path` if given.
+    """One HTML page with moving modes, Bode diagrams and all numbers.
 
-    commands: also simulate; samples: of each quantity of that run. measured: also identify this record,
-    with from_, to, input_from and against of identify(). diagnose: also diagnose from this, with want of diagnose(). compare: also show this comparison, a Compared or the
-    JSON of `hydrapod compare`. In a notebook the
-    result shows the page in a frame. Result: html, write(path), to_dict().
-    Raises InputError for what cannot be read or written, ComputationError where progress stops.
-    Source: docs/howto/report.md.
+    path: file to write. title: of the page; default: the name of the machine. theme: auto, light or dark. points: of
+    the responses. poses: names or displacements. modes: those shown in print, from 1. commands: also simulate, until
+    that time [s]; samples: of each quantity of that run. measured: also identify this record, with from_, to,
+    input_from and against of identify(). diagnose: also diagnose from this, with want of diagnose(). compare: also
+    show this comparison, a Compared or the JSON of `hydrapod compare`. In a notebook the result shows the page in a
+    frame. Result: html, write(path), to_dict(). Raises InputError for what cannot be read or written,
+    ComputationError where progress stops. Source: docs/howto/report.md. C++: tasks::report_document in
+    hydrapod/tasks/fit.hpp.
     """
     with files_of(() if measured is None else measured) as records, \
             files_of(() if diagnose is None else diagnose) as causes, \

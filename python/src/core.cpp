@@ -67,6 +67,8 @@ PYBIND11_MODULE(_core, module) {
   add_compare(module);
   add_exchange(module);
   add_kinematics(module);
+  add_records(module);
+  add_realtime(module);
   py::module_::import("atexit").attr("register")(py::cpp_function(&end_all));
   // else the child of os.fork() would wait at its end for the calls of its parent
   py::module_::import("os").attr("register_at_fork")(py::arg("after_in_child") =

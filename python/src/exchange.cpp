@@ -2,6 +2,7 @@
 
 #include "hydrapod/exchange/exchange.hpp"
 #include "hydrapod/base/error.hpp"
+#include "hydrapod/base/units.hpp"
 #include "hydrapod/tasks/linear.hpp"
 #include "support.hpp"
 
@@ -160,6 +161,38 @@ py::tuple multibody(const Machine& machine, const std::string& format) {
   return py::make_tuple(file.text, file.sidecar, parity_of(file.parity));
 }
 
+/// Text of the machine file, names, frequencies [Hz], damping ratios, participations (modes × 3),
+/// mass [kg], first mode that is left out [Hz], coupling of two modes by damping: share, [Hz],
+/// [Hz].
+py::tuple attach(const Machine& machine, const Options& asked) {
+  tasks::AttachOptions options{.stiffness = asked.get<std::string>("stiffness"),
+                               .mass = asked.get<std::string>("mass"),
+                               .damping = asked.get<std::string>("damping"),
+                               .universal = asked.get("universal", false),
+                               .grid = asked.get("grid", exchange::dmig_platform)};
+  options.p_PI = point_of(asked).value_or(spatial::Vector3::Zero());
+  const auto there = static_cast<int>(machine->file.machine.payload_modes.size());
+  options.modes = asked.get("modes", model::most_payload_modes - there);
+  options.damping_ratio = asked.at_least_zero("damping_ratio", "1").value_or(0.0);
+  options.add_mass = asked.get("add_mass", false);
+  const auto attached = without_gil([&] { return tasks::attach_payload(*machine, options); });
+  const auto& payload = attached.payload;
+  Names names;
+  std::vector<double> frequencies, ratios, participations;
+  for (const auto& mode : payload.modes) {
+    names.push_back(mode.name);
+    frequencies.push_back(mode.frequency);
+    ratios.push_back(mode.damping_ratio);
+    for (const double part : *mode.participation) participations.push_back(part);
+  }
+  const auto& coupling = payload.coupling;
+  return py::make_tuple(
+      attached.file.text, names, array_of(frequencies), array_of(ratios),
+      array_of(participations, {static_cast<py::ssize_t>(names.size()), 3}), payload.mass(0, 0),
+      payload.first_left_out / base::two_pi,
+      py::make_tuple(coupling.share, coupling.omega / base::two_pi, coupling.other / base::two_pi));
+}
+
 }  // namespace
 
 void add_exchange(py::module_& module) {
@@ -220,6 +253,9 @@ void add_exchange(py::module_& module) {
   });
   module.def("export_machine", [](const Machine& machine, const py::dict& options) {
     return export_machine(machine, Options(options));
+  });
+  module.def("attach", [](const Machine& machine, const py::dict& options) {
+    return attach(machine, Options(options));
   });
   module.def("multibody", &multibody, py::arg("machine"), py::arg("format"));
 }

@@ -234,6 +234,7 @@ void add_machine(py::module_& module) {
   module.def("seconds_of_calls", &seconds_of_calls, py::arg("machine"), py::arg("task"),
              py::arg("path"), py::arg("count"));
   module.def("starter_machine_file", &model::starter_machine_file);
+  module.def("parameter_reference", &model::parameter_reference);
   module.def("quantity", [](const py::object& value, const char* unit, const std::string& name) {
     return quantity(value, unit, name);
   });

@@ -2,8 +2,11 @@
 
 #include "measurement.hpp"
 
+#include <filesystem>
+
 #include "data/channel_units.hpp"
 #include "hydrapod/base/error.hpp"
+#include "hydrapod/base/file.hpp"
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/data/record_io.hpp"
 #include "hydrapod/report/measured_results.hpp"
@@ -229,6 +232,46 @@ std::shared_ptr<Identified> identify(const Options& asked, const py::object& pro
   return result;
 }
 
+/// Which of `formats` the ending of a path is.
+std::size_t format_of(const std::string& path, const std::vector<std::string_view>& formats) {
+  auto ending = std::filesystem::path(path).extension().string();
+  if (ending == ".unv" || ending == ".uf") ending = ".uff";
+  if (ending == ".hdf5") ending = ".h5";
+  return choice("path", ending.empty() ? ending : ending.substr(1), formats);
+}
+
+/// As `hydrapod frf -o PATH` does.
+void write_responses(const Frf& result, const std::string& path) {
+  const auto format = format_of(path, {"json", "csv", "uff", "mat", "h5"});
+  without_gil([&] {
+    auto titled = result.shared;
+    titled.title = result.files.front();
+    if (format == 0) base::write_file_whole(path, result.document().dump());
+    if (format == 1) base::write_file_whole(path, data::response_table(result.shared));
+    if (format == 2) data::write_frequency_responses(path, titled);
+    if (format == 3) data::write_mat_variables(path, data::response_arrays(titled));
+    if (format == 4) data::write_hdf5_variables(path, data::response_arrays(titled));
+    return 0;
+  });
+}
+
+/// As `hydrapod identify -o PATH` does.
+void write_modes(const Identified& result, const std::string& path) {
+  const auto format = format_of(path, {"json", "csv", "uff", "mat"});
+  const auto& [measured, modes] = std::tie(result.found.measured, result.found.modes);
+  without_gil([&] {
+    if (format == 0) base::write_file_whole(path, result.document().dump());
+    if (format == 1)
+      base::write_file_whole(path, report::identified_modes_csv(modes, tasks::observed_in(measured),
+                                                                measured.experiment()));
+    if (format == 2)
+      report::write_modes_uff(path, modes, result.files.front(),
+                              measured.header ? measured.header->date : "");
+    if (format == 3) report::write_modes_mat(path, modes);
+    return 0;
+  });
+}
+
 /// The record, its units made SI as those of files are, and what is to be said about them.
 py::tuple record_of(const Doubles& samples, double rate, double start,
                     const std::vector<std::string>& channels, const std::vector<std::string>& units,
@@ -332,7 +375,8 @@ void add_measurement(py::module_& module) {
       .def_property_readonly("deviation", [](const Frf& f) { return deviations(f.shared); })
       .def_property_readonly("inputs", [](const Frf& f) { return names(f.shared.inputs); })
       .def_property_readonly("outputs", [](const Frf& f) { return names(f.shared.outputs); })
-      .def_property_readonly("warnings", [](const Frf& f) { return texts(f.measured.warnings); });
+      .def_property_readonly("warnings", [](const Frf& f) { return texts(f.measured.warnings); })
+      .def("write", &write_responses, py::arg("path"));
   module.def("frf", [](const py::dict& options, const py::object& progress) {
     return frf(Options(options), progress);
   });
@@ -390,7 +434,8 @@ void add_measurement(py::module_& module) {
             return copied(identification::mode_indicator(r.found.modes.responses));
           })
       .def_property_readonly("warnings",
-                             [](const Identified& r) { return texts(r.found.warnings); });
+                             [](const Identified& r) { return texts(r.found.warnings); })
+      .def("write", &write_modes, py::arg("path"));
   module.def("identify", [](const py::dict& options, const py::object& progress) {
     return identify(Options(options), progress);
   });

@@ -59,12 +59,18 @@ class Stepper {
   std::mutex mutex_{};
 };
 
-spatial::Vector6 six(const py::handle& given, const char* name) {
+/// An array of doubles, without a copy where it is one already.
+Doubles doubles(const py::handle& given) {
+  if (py::isinstance<Doubles>(given)) return py::reinterpret_borrow<Doubles>(given);
   const auto any = py::array::ensure(given);
   const bool real =
       any && std::string_view("fiu").find(any.dtype().kind()) != std::string_view::npos;
-  const auto array = real ? Doubles::ensure(any) : Doubles();
-  if (!real || !array) {
+  return real ? Doubles::ensure(any) : py::reinterpret_steal<Doubles>(py::handle());
+}
+
+spatial::Vector6 six(const py::handle& given, const char* name) {
+  const auto array = doubles(given);
+  if (!array) {
     PyErr_Clear();
     throw py::type_error(std::string(name) + ": expected six real numbers");
   }

@@ -1,10 +1,8 @@
 /// Runs over time: simulation and the virtual test rig.
 
-#include "hydrapod/tasks/simulation.hpp"
 #include "hydrapod/base/error.hpp"
-#include "hydrapod/base/version.hpp"
 #include "hydrapod/report/model_results.hpp"
-#include "support.hpp"
+#include "realtime.hpp"
 
 namespace hydrapod::python {
 
@@ -12,8 +10,6 @@ namespace {
 
 using Machine = std::shared_ptr<Subject>;
 using Names = std::vector<std::string>;
-
-tasks::Origin origin() { return {"hydrapod " + std::string(base::version) + ", Python", {}}; }
 
 struct Simulation : Result {
   Machine machine{};
@@ -62,7 +58,8 @@ py::dict run_rig(const Machine& machine, const Options& asked, const py::object&
   tasks::RigOptions options{.averages = asked.get("averages", 0),
                             .record = asked.get<std::string>("record"),
                             .force = asked.get("above_limits", false),
-                            .origin = origin()};
+                            .origin = origin(),
+                            .hardware = hardware_of(asked)};
   auto& test = options.test;
   test.entry = static_cast<rig::Entry>(
       choice("entry", asked.get<std::string>("entry", "command"), {"command", "drive", "wrench"}));
@@ -73,18 +70,14 @@ py::dict run_rig(const Machine& machine, const Options& asked, const py::object&
                                         .excitation = true});
   test.settling = asked.at_least_zero("settling", "s").value_or(test.settling);
   test.duration = asked.positive("duration", "s").value_or(test.duration);
+  if (options.hardware) test.rate = 1.0 / machine->file.machine.controller.sample_time;
   test.rate = asked.positive("rate", "Hz").value_or(test.rate);
   if (!(test.duration * test.rate >= 1.0)) base::refuse("rate", "the record would have no sample");
   test.oversampling = asked.get("oversampling", test.oversampling);
   test.repeat = asked.get("repeat", test.repeat);
   test.seed = asked.get<std::uint64_t>("seed", test.seed);
   auto& all = test.instruments;
-  all.accelerometers = rig::default_accelerometers(machine->file.machine);
-  if (asked.has("accelerometers")) {
-    all.accelerometers.clear();
-    for (const auto& text : asked.get<Names>("accelerometers"))
-      all.accelerometers.push_back(rig::parse_accelerometer(text));
-  }
+  all.accelerometers = accelerometers_of(*machine, asked);
   const auto sensor = [&](const char* name, model::Sensor& into, const char* unit) {
     if (asked.has(name)) into = rig::parse_sensor(name, asked.get<std::string>(name), unit);
   };
@@ -108,6 +101,7 @@ py::dict run_rig(const Machine& machine, const Options& asked, const py::object&
   result["findings"] = findings;
   result["finished"] = finished;
   result["message"] = summary.end == simulation::RunEnd::stopped ? "interrupted" : summary.message;
+  result["hardware"] = done.hardware ? py::object(packets_of(*done.hardware)) : py::none();
   return result;
 }
 

@@ -157,6 +157,16 @@ py::array intervals(const Study& study) {
   return array_of(values, {static_cast<py::ssize_t>(values.size() / 2), 2});
 }
 
+/// Text of the results file, why it says FAIL, outputs with gradients by differences, eval_id.
+py::tuple evaluate(const std::shared_ptr<Subject>& machine, const std::string& parameters,
+                   const Names& variables, const Names& outputs) {
+  const auto done = without_gil([&] {
+    return tasks::evaluate(*machine,
+                           {.parameters = parameters, .variables = variables, .outputs = outputs});
+  });
+  return py::make_tuple(done.text, done.failure, done.by_differences, done.id);
+}
+
 }  // namespace
 
 void add_study(py::module_& module) {
@@ -213,6 +223,7 @@ void add_study(py::module_& module) {
         return study::machine_text(s.job.machine.file, s.job.problem.inputs,
                                    std::span(s.rows.data() + at * s.width(), s.inputs()), label);
       });
+  module.def("evaluate", &evaluate);
   module.def("study", [](const Machine& machine, const std::string& kind, const py::dict& options,
                          const py::object& progress) {
     return run_study(machine, kind, Options(options), progress);

@@ -11,12 +11,20 @@ import hydrapod
 
 root = pathlib.Path(__file__).resolve().parents[2]
 models = sorted((root / "models").glob("*.toml"))
+sanitized = "HYDRAPOD_SANITIZED" in os.environ  # the extension is, with its run-time library in LD_PRELOAD
 program = os.environ.get("HYDRAPOD_PROGRAM", str(root / "build/test/apps/hydrapod/hydrapod"))
+
+
+def call_program(*arguments, **options):
+    """The program, which has a run-time library of its own where it is sanitized."""
+    environment = {name: value for name, value in os.environ.items() if name != "LD_PRELOAD"}
+    return subprocess.run([program, *map(str, arguments)], **{
+        "capture_output": True, "text": True, "cwd": root, "env": environment, **options})
 
 
 def command_line(*arguments):
     """The JSON that the command line prints, without what tells how it was called."""
-    done = subprocess.run([program, *map(str, arguments)], capture_output=True, text=True, cwd=root)
+    done = call_program(*arguments)
     assert done.returncode == 0 or done.stdout.startswith("{"), done.stderr
     document = json.loads(done.stdout)
     del document["reproduction"]
@@ -25,7 +33,7 @@ def command_line(*arguments):
 
 def program_of(*arguments):
     """Runs the command line, which must do what it was asked for."""
-    done = subprocess.run([program, *map(str, arguments)], capture_output=True, text=True, cwd=root)
+    done = call_program(*arguments)
     assert done.returncode == 0, done.stderr
 
 

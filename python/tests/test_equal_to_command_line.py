@@ -186,6 +186,20 @@ def test_measurement(run, task):
     assert call(run).to_dict() == expected
 
 
+@pytest.mark.parametrize("task, ending", [(task, ending) for task in ("frf", "identify")
+                                          for ending in ("csv", "uff", "mat", "h5") if (task, ending) != ("identify", "h5")])
+def test_results_are_written_as_the_command_line_writes_them(run, tmp_path, task, ending):
+    program(task, run, "-o", tmp_path / f"theirs.{ending}")
+    result = getattr(hydrapod, task)(run)
+    result.write(str(tmp_path / f"ours.{ending}"))
+    ours, theirs = ((tmp_path / f"{name}.{ending}").read_bytes() for name in ("ours", "theirs"))
+    assert ours[128:] == theirs[128:] if ending == "mat" else ours == theirs  # a MAT file has the time of writing
+    result.write(str(tmp_path / "ours.json"))
+    assert json.loads((tmp_path / "ours.json").read_text()) == result.to_dict()
+    with pytest.raises(hydrapod.InputError, match="json, csv, uff, mat"):
+        result.write(str(tmp_path / "ours.txt"))
+
+
 def test_a_whole_record_is_asked_for(run):
     """Of a loop it cannot be taken at once, which `--whole-record` says too."""
     with pytest.raises(hydrapod.ComputationError, match="from the whole record at once"):

@@ -76,7 +76,8 @@ def test_tasks_say_their_errors_and_sources():
                  "rig", "frf", "identify", "calibrate", "compare", "diagnose", "report", "montecarlo", "sweep",
                  "workspace_map", "design", "export", "machine_state_space", "superelement", "leg_lengths",
                  "leg_jacobian", "forward_kinematics", "static_equilibrium", "sample_signals", "read_machine",
-                 "read_record"):
+                 "read_record", "show_record", "convert_record", "cut_record", "resample_record", "plot_record",
+                 "verify_record", "recover_record", "serve", "packet_layout", "attach", "evaluate"):
         text = getattr(hydrapod, name).__doc__
         pages = re.findall(r"docs/[\w/-]+\.md", text)
         assert "Raises" in text and pages and all((root / page).is_file() for page in pages), name

@@ -9,6 +9,7 @@
 #include <regex>
 #include <stdexcept>
 
+#include "hydrapod/base/text.hpp"
 #include "hydrapod/base/version.hpp"
 #include "hydrapod/signals/signals.hpp"
 
@@ -396,6 +397,21 @@ Rig rig(const Machine& machine, const RigOptions& asked, const Progress& progres
     base::refuse("--excite", error.what());
   }
   return result;
+}
+
+realtime::Limits limits_of(const std::string& place, const std::string& text) {
+  realtime::Limits limits;
+  base::KeyValues values(place, text);
+  const auto read = [&](const char* key, const char* unit, double& limit) {
+    limit = values.number(key, unit).value_or(limit);
+    if (!(limit > 0.0)) values.fail(std::string(key) + " must be more than 0");
+  };
+  read("length", "m", limits.length);
+  read("velocity", "m/s", limits.velocity);
+  read("acceleration", "m/s^2", limits.acceleration);
+  read("error", "m", limits.error);
+  values.finish();
+  return limits;
 }
 
 Served serve(const Machine& machine, const ServeOptions& asked, const Progress& progress) {

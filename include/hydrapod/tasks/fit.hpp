@@ -42,8 +42,8 @@ struct Calibrated {
   std::vector<base::Diagnostic> warnings{};
 };
 
-/// Throws base::InputError for a targets file or paths that cannot be, base::ComputationError when
-/// no combination has modes.
+/// Fits numbers of the machine file to measured modes. Throws base::InputError for a targets file
+/// or paths that cannot be, base::ComputationError when no combination has modes.
 Calibrated calibrate(const Machine& machine, const CalibrateOptions& options,
                      const Progress& progress = {});
 
@@ -63,7 +63,9 @@ struct Diagnosed {
   std::vector<base::Diagnostic> warnings{};
 };
 
-/// Diagnosis of the measurement, then attribution and remedy of the machine that explains it best.
+/// Cause of low frequencies, its uncertainty, and the stiffness that is required. Diagnosis of the
+/// measurement, then attribution and remedy of the machine that explains it best. Throws
+/// base::InputError for a measurement without modes and for goals that cannot be.
 Diagnosed diagnose(const Machine& machine, const DiagnoseOptions& options = {},
                    const Progress& progress = {});
 
@@ -86,7 +88,7 @@ struct Report {
   std::vector<base::Diagnostic> warnings{};
 };
 
-/// What report::html_page() draws.
+/// One HTML page with moving modes, Bode diagrams and all numbers: what report::html_page() draws.
 Report report_document(const Machine& machine, const ReportOptions& options = {},
                        const Progress& progress = {});
 

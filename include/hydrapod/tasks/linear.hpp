@@ -23,16 +23,18 @@
 
 namespace hydrapod::tasks {
 
-/// Modes at the machine's pose, of its model beside the rigid one.
+/// Modes at the machine's pose, of its model beside the rigid-leg model. Throws
+/// base::ComputationError where the machine has no equilibrium.
 modal::ModeTable modes(const Machine& machine);
 
 /// The same of the file without the overrides; none where there are no overrides. Throws
 /// base::InputError and base::ComputationError where the file alone has no modes at this pose.
 std::optional<modal::ModeTable> modes_without_overrides(const Machine& machine);
 
-/// Modes at `poses`, at least two. Those with platform motion are followed: between neighbouring
-/// poses they are paired by the MAC of the platform's motion in the metric of its mass
-/// (observation::pair_lists); the frequency may change by a factor of three.
+/// Modes at several poses, two or more, each followed by its shape from pose to pose. Those with
+/// platform motion are followed: between neighbouring poses they are paired by the MAC of the
+/// platform's motion in the metric of its mass (observation::pair_lists); the frequency may change
+/// by a factor of three.
 report::ModesAtPoses modes_at_poses(const Machine& machine,
                                     const std::vector<model::NamedPose>& poses);
 
@@ -46,7 +48,8 @@ struct SystemOptions {
   int pade_order{simulation::default_pade_order};
 };
 
-/// Mechanics, hydraulics and controller as one linear system, and its poles.
+/// Mechanics, hydraulics, controller and delay as one linear system at rest, and its poles. Throws
+/// base::ComputationError where the supply cannot hold the machine at its pose.
 report::System system(const Machine& machine, const SystemOptions& options = {});
 
 struct RootLocusOptions {
@@ -65,8 +68,9 @@ struct RootLocusOptions {
 report::RootLocus root_locus(const Machine& machine, const RootLocusOptions& options,
                              const Progress& progress = {});
 
-/// Responses of the mechanics. Throws base::ComputationError when the default band cannot be found
-/// (no stable mode), and std::invalid_argument for an empty band.
+/// 6×6 frequency responses of the platform with flexible and with rigid legs. Throws
+/// base::ComputationError when the default band cannot be found (no stable mode), and
+/// std::invalid_argument for an empty band.
 report::Bode bode(const Machine& machine, const report::BodeOptions& options = {});
 
 struct CommandResponseOptions {
@@ -103,7 +107,8 @@ struct CheckOptions {
   double much_friction{0.2};
 };
 
-/// Legs, static forces and buckling at `poses`; none given: at the machine's own pose.
+/// Lengths, static forces and buckling loads of the legs, and whether the machine is sound. At
+/// `poses`; none given: at the machine's own pose.
 std::vector<report::PoseCheck> check(const Machine& machine,
                                      const std::vector<model::NamedPose>& poses = {},
                                      const CheckOptions& options = {});
@@ -185,8 +190,8 @@ struct Attached {
 /// more than the platform of the file.
 Attached attach_payload(const Machine& machine, const AttachOptions& options);
 
-/// Throws base::InputError where the format cannot hold the machine and `approximate` is not set;
-/// nothing is written then.
+/// Writes the machine as a file for another program. Throws base::InputError where the format
+/// cannot hold the machine and `approximate` is not set; nothing is written then.
 Exported export_machine(const Machine& machine, const ExportOptions& options);
 
 }  // namespace hydrapod::tasks

@@ -56,9 +56,9 @@ struct Measured {
   }
 };
 
-/// Frequency responses, or half spectra. Reads records, JSON of frf and Universal Files. `progress`
-/// that asks to stop ends the reading of records; the result is of what was read. Throws
-/// base::InputError and base::ComputationError.
+/// Frequency responses of records, averaged together, or half spectra. Reads records, JSON of frf
+/// and Universal Files. `progress` that asks to stop ends the reading of records; the result is of
+/// what was read. Throws base::InputError and base::ComputationError.
 Measured frf(const MeasureOptions& options, const Progress& progress = {});
 
 /// The responses with those at iω, for files: those of a closed loop and of hits are estimated at
@@ -104,7 +104,8 @@ struct Identified {
   std::vector<base::Diagnostic> warnings{};  ///< those of `measured` too
 };
 
-/// Modes from records or responses. What cannot be had besides the modes is a warning.
+/// Modes of records or responses, with their uncertainty, compared with the machine where it is
+/// known. Throws as frf(). What cannot be had besides the modes is a warning.
 Identified identify(const IdentifyOptions& options, const Progress& progress = {});
 
 struct MeasuredOptions {
@@ -136,6 +137,81 @@ std::optional<model::NamedPose> stated_pose(const std::string& path, const model
 MeasuredTargets read_measured(const Machine& machine, const MeasuredOptions& options,
                               const Progress& progress = {});
 
+/// A record of a test rig as a file. What is left of a damaged one: data::recover_record().
+struct RecordOptions {
+  std::string file{};
+  std::optional<double> sample_rate{};  ///< [Hz] for files that do not tell it
+};
+
+struct RecordOutput {
+  std::string path{};
+  std::optional<data::RecordFormat> format{};  ///< none: by the ending of `path`
+};
+
+struct ShownRecord {
+  data::RecordSet record;  ///< read to its end
+  data::RecordOverview overview{};
+};
+
+/// Channels of a record with levels, clipping, drop-outs and spectra. Throws base::InputError for a
+/// file that is no record, base::ComputationError where `progress` stops it.
+ShownRecord show_record(const RecordOptions& options, const Progress& progress = {});
+
+struct WrittenRecord {
+  std::string file{};      ///< where it is, see data::RecordWriter::close
+  std::int64_t samples{};  ///< in it
+  bool complete{true};     ///< false: `progress` stopped it, and the file has the first samples
+  std::optional<double> ends_early{};     ///< [s] end of the record, before RecordPart::to
+  std::vector<base::Diagnostic> notes{};  ///< of reading and of writing
+};
+
+/// Writes a record in another format. Throws base::InputError for a file that is no record and for
+/// an ending that is none, base::ComputationError where the disk is full.
+WrittenRecord convert_record(const RecordOptions& options, const RecordOutput& output,
+                             const Progress& progress = {});
+
+/// What is kept.
+struct RecordPart {
+  std::optional<double> from{}, to{};   ///< [s] on the record's clock; none: start, end
+  std::vector<std::string> channels{};  ///< names, `*` for any text; empty: all
+  std::optional<data::Role> role{};
+  std::optional<data::Direction> direction{};
+};
+
+/// Writes a part of a record: a time range, some channels. Throws as convert_record(), and
+/// base::InputError where no channel matches and where no sample lies in the range.
+WrittenRecord cut_record(const RecordOptions& options, const RecordOutput& output,
+                         const RecordPart& part, const Progress& progress = {});
+
+/// Writes a record with another sample rate [Hz], through a linear-phase anti-alias filter.
+/// See data::Resampler. Throws as convert_record(), and base::InputError for a rate more than
+/// 1:10000 from that of the record.
+WrittenRecord resample_record(const RecordOptions& options, const RecordOutput& output, double rate,
+                              const Progress& progress = {});
+
+struct VerifiedRecord {
+  std::int64_t samples{};
+  std::size_t channels{};
+  data::ChecksumFinding checksum{};
+  std::vector<base::Diagnostic> notes{};
+};
+
+/// Compares the checksum of a record with its channels and samples. Throws base::InputError for a
+/// file that cannot be read, base::ComputationError where `progress` stops it.
+VerifiedRecord verify_record(const std::string& file, const Progress& progress = {});
+
+struct PlottedRecord {
+  std::size_t shown{}, channels{};  ///< numbers of channels: in the picture, in the record
+  std::vector<base::Diagnostic> notes{};
+};
+
+/// Draws time histories and spectra of a record as a picture, .svg, .png or .pdf. `channels`:
+/// names; none: the first report::most_plotted_channels. Throws base::InputError for names that the
+/// record does not have, base::ComputationError without gnuplot or samples.
+PlottedRecord plot_record(const RecordOptions& options, const std::string& picture,
+                          const std::vector<std::string>& channels = {},
+                          const Progress& progress = {});
+
 /// Machines, records, responses and lists of identified modes, set beside the first of them.
 struct CompareOptions {
   /// Machine files (TOML), each perhaps with a pose, "machine.toml@low"; JSON of `hydrapod modes`;
@@ -157,6 +233,7 @@ struct Compared {
   std::vector<base::Diagnostic> warnings{};
 };
 
+/// Machines, poses, records and identified modes side by side, the first with each other one.
 /// Throws base::InputError for fewer than two things, for the same thing twice and for files
 /// without modes.
 Compared compare(const CompareOptions& options, const Progress& progress = {});

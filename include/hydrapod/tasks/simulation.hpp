@@ -24,7 +24,7 @@ struct Origin {
 
 struct SimulateOptions {
   std::vector<std::string> commands{};  ///< see signals/signals.hpp; they add up; none: rest
-  std::vector<std::string> wrench{};  ///< likewise, on the platform [N, N m about its mass centre]
+  std::vector<std::string> wrench{};  ///< likewise, on the platform about its mass centre [N, N m]
   /// Where the platform stands at time 0, as a displacement from the pose, "x=1 mm, ry=0.1 deg";
   /// empty: at the pose.
   std::string initial{};
@@ -37,7 +37,8 @@ struct SimulateOptions {
   Origin origin{};       ///< what the record says of its origin
 };
 
-/// A run that ends early has everything up to there, and so has its record. `progress` that asks to
+/// Time simulation: mechanics, hydraulics, controller. A run that ends early has everything up to
+/// there, and so has its record. `progress` that asks to
 /// stop ends the run. Throws base::InputError for commands that cannot be read, make no sense, or
 /// lead out of the workspace; base::ComputationError where the machine does not stand at the pose.
 report::Simulation simulate(const Machine& machine, const SimulateOptions& options,
@@ -61,9 +62,15 @@ struct Rig {
   std::string record{};  ///< file that holds it, see data::RecordWriter::close
 };
 
-/// Throws base::InputError for levels that do not fit, unless `force` is set. A run that ends early
+/// Test rig, simulated or real: excites the machine in six directions and writes a record. Throws
+/// base::InputError for levels that do not fit, unless `force` is set. A run that ends early
 /// leaves its record.
 Rig rig(const Machine& machine, const RigOptions& options, const Progress& progress = {});
+
+/// Limits of a real machine in a text, "length=20 mm, velocity=0.3 m/s, acceleration=10 m/s^2,
+/// error=5 mm"; what it does not say has its default. Throws base::InputError, which calls the text
+/// `place`.
+realtime::Limits limits_of(const std::string& place, const std::string& text);
 
 struct ServeOptions {
   realtime::ServeOptions server{};  ///< `rest` and, without accelerometers, theirs are set here
@@ -81,7 +88,9 @@ struct Served {
   std::string record{};
 };
 
-/// The machine in real time, see realtime/realtime.hpp. `progress` that asks to stop ends it; its
+/// The machine in real time: commands in, sensors out, by UDP or shared memory. See
+/// realtime/realtime.hpp. Throws base::InputError for addresses, layouts and keys that cannot be
+/// used. `progress` that asks to stop ends it; its
 /// share is 0 without a duration.
 Served serve(const Machine& machine, const ServeOptions& options, const Progress& progress = {});
 

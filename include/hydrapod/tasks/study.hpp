@@ -44,7 +44,10 @@ struct StudyJob {
   }
 };
 
-/// Throws base::InputError with what is wrong in a path, a distribution or a requirement.
+/// A study is one of three. Scatter of numbers of the file: distributions of modes, probability of
+/// missing a requirement. Modes over a grid of numbers, or over values that fill it evenly. Modes
+/// over the workspace. Throws base::InputError with what is wrong in a path, a distribution or a
+/// requirement.
 StudyJob prepare_study(const Machine& machine, const StudyOptions& options);
 
 struct StudyRunOptions {
@@ -98,7 +101,8 @@ struct DesignJob {
   study::DesignProblem problem{};
 };
 
-/// Throws base::InputError with what is wrong in a path, a range, a requirement or an aim.
+/// Numbers of a machine that meet requirements at every pose with the least or largest aim. Throws
+/// base::InputError with what is wrong in a path, a range, a requirement or an aim.
 DesignJob prepare_design(const Machine& machine, const DesignOptions& options);
 
 struct Designed {
@@ -111,7 +115,7 @@ struct Designed {
 Designed run_design(const DesignJob& job, const study::DesignOptions& options,
                     const Progress& progress = {});
 
-/// One evaluation for Dakota, or for any program that speaks its files: parameters in, results out.
+/// What is evaluated, and how the files call it.
 struct EvaluateOptions {
   std::string parameters{};  ///< file in Dakota's standard or aprepro format
   /// "k=legs.guide_sleeve.stiffness [kN/mm]": what a variable of that file is. Others are paths,
@@ -127,6 +131,7 @@ struct Evaluation {
   std::string id{};                           ///< eval_id
 };
 
+/// One evaluation for Dakota, or for any program that speaks its files: parameters in, results out.
 /// Throws base::InputError for a file that cannot be read, an unknown variable, output or request.
 /// A design that has no outputs is no error: the results file says FAIL.
 Evaluation evaluate(const Machine& machine, const EvaluateOptions& options);

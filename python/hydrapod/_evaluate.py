@@ -1,0 +1,45 @@
+"""One evaluation by Dakota's files."""
+
+from __future__ import annotations
+
+import os
+from typing import List, Mapping, NamedTuple, Optional
+
+from . import _checks, _core
+from ._checks import Texts
+from ._machine import Machine
+from ._records import Path
+from ._studies import _paths
+from ._tasks import _core_of
+
+
+class Evaluation(NamedTuple):
+    """One evaluation by Dakota's files."""
+
+    text: str  #: the results file
+    failure: str  #: why it says FAIL; empty: it does not
+    by_differences: List[str]  #: outputs whose gradients are central differences
+    id: str  #: eval_id of the parameters file
+
+
+def evaluate(machine: Machine, parameters: Path, results: Optional[Path] = None, *,
+             variables: Mapping[str, str] = {}, functions: Texts = ()) -> Evaluation:
+    """One evaluation for Dakota, or for any program that speaks its files: parameters in, results out.
+
+    parameters: Dakota's parameters file, standard or aprepro format. results: file to write. variables:
+    {NAME: "PATH" or "PATH [unit]"}, what a variable of that file is; others are paths, with values in SI. functions:
+    output of each function, in their order; default: their labels.
+
+    Result, an Evaluation: text (frequencies [Hz], others [SI]), failure, by_differences, id. A design that has no
+    outputs is no error: the text says FAIL. Raises InputError for a file that cannot be read, an unknown variable,
+    output or request. Source: docs/howto/study.md. C++: tasks::evaluate in hydrapod/tasks/study.hpp.
+    """
+    given = _paths(variables, "variables")
+    done = Evaluation(*_core.evaluate(
+        _core_of(machine), os.fspath(parameters),
+        [f"{name}={_checks.word(what, f'variables of {name}')}" for name, what in given.items()],
+        _checks.words(functions, "functions")))
+    if results is not None:
+        with open(results, "w", encoding="utf-8") as file:
+            file.write(done.text)
+    return done
