@@ -33,8 +33,8 @@ Outcome verify(const std::string& file) {
     complete =
         read_all(record, "verifying " + file, [&](const auto& block) { samples += block.rows(); });
     if (complete) {
-      fmt::print("{}: {} samples of {} channels: {}\n", file, samples,
-                 record.header().channels.size(), words(record.checksum()));
+      print_text(fmt::format("{}: {} samples of {} channels: {}\n", file, samples,
+                             record.header().channels.size(), words(record.checksum())));
       return record.checksum() == data::ChecksumFinding::holds ? Outcome::held : Outcome::not_held;
     }
   } catch (const base::InputError& error) {
