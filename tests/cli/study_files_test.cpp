@@ -2,6 +2,7 @@
 /// the machine that a study file names.
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/file.h>
@@ -206,6 +207,26 @@ TEST_F(StudyFiles, TheTableHasTheRowsThatWereComputed) {
   const auto printed = masses("uniform 800 .. 900 kg", {"--samples", "130", "--csv", "-", "-o",
                                                         "summary.txt", "--threads", "1"});
   EXPECT_EQ(printed.out, table);
+}
+
+/// What was interrupted is no success. The table has the rows that were computed, and is no table
+/// of all: it does not take the place of one.
+TEST_F(StudyFiles, AnInterruptedStudyIsNoSuccess) {
+  test::write_text(folder / "table.csv", "m,lowest [Hz],x [Hz]\n1,2,3\n");
+  const auto interrupted = test::run_program(
+      "timeout",
+      {"--preserve-status", "-s", "INT", "0.7", test::hydrapod_program().string(), "montecarlo",
+       machine, "--vary", "platform.mass=uniform 800 .. 900 kg", "--samples", "1000000",
+       "--threads", "1", "--csv", "table.csv", "-o", "summary.json"},
+      {.folder = folder.path()});
+  EXPECT_EQ(interrupted.exit_code, 1);
+  EXPECT_THAT(interrupted.err, HasSubstr("error: interrupted after"));
+  EXPECT_EQ(test::read_text(folder / "table.csv"), "m,lowest [Hz],x [Hz]\n1,2,3\n");
+  const auto rows = std::ranges::count(test::read_text(folder / "table.csv.part"), '\n') - 1;
+  EXPECT_GT(rows, 0);
+  EXPECT_LT(rows, 1000000);
+  EXPECT_THAT(test::read_text(folder / "summary.json"),
+              HasSubstr(fmt::format("\"rows\": {}", rows)));
 }
 
 }  // namespace
