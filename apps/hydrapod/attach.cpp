@@ -84,7 +84,8 @@ void run(const Arguments& arguments) {
   const auto machine = load(arguments.machine);
   const auto options = options_of(arguments, machine.file.machine.payload_modes.size());
   const auto attached = tasks::attach_payload(machine, options);
-  fmt::print("{}\n\n{}\n", machine.file.machine.name, attached_text(attached, table_style("-")));
+  print_text(fmt::format("{}\n\n{}\n", machine.file.machine.name,
+                         attached_text(attached, table_style("-"))));
   write_output(arguments.output, attached.file.text);
 }
 

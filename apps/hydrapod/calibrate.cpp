@@ -101,11 +101,10 @@ void run(const Arguments& arguments) {
     return tasks::calibrate(machine, options, progress);
   });
   print_diagnostics(found.warnings);
-  base::write_file_whole(
-      "-", format == 0 ? machine.file.machine.name + "\n" + state_line(machine.file) + "\n" +
-                             calibration_text(found.result, found.targets, found.profiles,
-                                              machine.file.text, table_style("-"))
-                       : calibration_json(machine, found));
+  print_text(format == 0 ? machine.file.machine.name + "\n" + state_line(machine.file) + "\n" +
+                               calibration_text(found.result, found.targets, found.profiles,
+                                                machine.file.text, table_style("-"))
+                         : calibration_json(machine, found));
   draw(arguments.plot, [&](const auto& path) {
     report::plot_calibration(
         found.result, found.targets,

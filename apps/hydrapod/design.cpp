@@ -292,9 +292,8 @@ void run(const Arguments& arguments) {
   const auto& result = done.result;
   auto head = report::head_json("design", machine.file, machine.path);
   head["model"] = dynamics::name(machine.kind);
-  base::write_file_whole("-", format == 0
-                                  ? report_text(job, result)
-                                  : json_text(head, report::design_json(job.problem, result)));
+  print_text(format == 0 ? report_text(job, result)
+                         : json_text(head, report::design_json(job.problem, result)));
   if (!arguments.output.empty() && !done.text.empty()) write_output(arguments.output, done.text);
   draw(arguments.plot, [&](const auto& path) { plot(arguments, job, result, path); });
   if (result.interrupted)

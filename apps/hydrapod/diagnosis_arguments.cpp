@@ -75,10 +75,15 @@ void add_diagnosis_options(Command command, DiagnosisArguments& arguments) {
 
 tasks::DiagnoseOptions diagnose_options(const DiagnosisArguments& arguments,
                                         const model::Machine& machine) {
-  return {.measured = {.files = arguments.measured, .observed = observed_system(arguments.against)},
+  // What can throw comes first: GCC 12 destroys the nested list of files twice where a later member
+  // of the braces throws.
+  const auto observed = observed_system(arguments.against);
+  const auto goal = remedy_goal(arguments.want);
+  auto poses = poses_of(machine, arguments.poses);
+  return {.measured = {.files = arguments.measured, .observed = observed},
           .rules = arguments.options,
-          .goal = remedy_goal(arguments.want),
-          .poses = poses_of(machine, arguments.poses)};
+          .goal = goal,
+          .poses = std::move(poses)};
 }
 
 }  // namespace hydrapod::cli

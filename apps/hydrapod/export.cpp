@@ -114,8 +114,9 @@ void run(const Arguments& arguments) {
   const auto machine = load(arguments.machine);
   options.json_head = head_of_model("state_space", machine);
   const auto exported = tasks::export_machine(machine, options);
-  fmt::print("{}, pose {}, {} model\n\n{}\n", machine.file.machine.name, machine.pose.name,
-             dynamics::name(machine.kind), parity_text(exported.parity, table_style("-")));
+  print_text(fmt::format("{}, pose {}, {} model\n\n{}\n", machine.file.machine.name,
+                         machine.pose.name, dynamics::name(machine.kind),
+                         parity_text(exported.parity, table_style("-"))));
   for (const auto& file : exported.files) print_written(file);
 }
 

@@ -4,6 +4,8 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <charconv>
+#include <limits>
 #include <type_traits>
 
 #include "hydrapod/output_files.hpp"
@@ -31,8 +33,22 @@ struct Plain<std::optional<Value>> {
 };
 
 /// What CLI11 takes for numbers and is none: nan and inf; -1 as the largest number without a sign.
+/// It reads whole numbers as C does, 010 as 8, and ends at the largest one: zeros in front are
+/// taken off, what is larger is refused.
 template <class Number>
-std::string objection_to_number(const std::string& text) {
+std::string objection_to_number(std::string& text) {
+  if constexpr (std::is_integral_v<Number>) {
+    const auto sign = text.starts_with('-') || text.starts_with('+') ? 1U : 0U;
+    const bool digits =
+        text.size() > sign && text.find_first_not_of("0123456789", sign) == text.npos;
+    if (digits)
+      text.erase(sign, std::min(text.find_first_not_of('0', sign), text.size() - 1) - sign);
+    Number value{};
+    const auto read = std::from_chars(text.data() + (text.starts_with('+') ? 1 : 0),
+                                      text.data() + text.size(), value);
+    if (digits && read.ec == std::errc::result_out_of_range)
+      return fmt::format("expected at most {}, not {}", std::numeric_limits<Number>::max(), text);
+  }
   if constexpr (std::is_floating_point_v<Number>) {
     const char* const letters = "aAiI";  // of nan, inf, infinity
     if (text.find_first_of(letters) != text.npos) return "expected a finite number, not " + text;
@@ -48,7 +64,7 @@ void add(CLI::App& app, const OptionRow& row, Value& value) {
   CLI::Option* option = app.add_option(row.names, value, row.description);
   using Number = typename Plain<Value>::type;
   if constexpr (std::is_arithmetic_v<Number>)
-    option->check(CLI::Validator(&objection_to_number<Number>, "", ""));
+    option->transform(CLI::Validator(&objection_to_number<Number>, "", ""));
   if (is_shown(value, rule)) option->capture_default_str();
   if (rule.required) option->required();
   if (rule.one_each) option->allow_extra_args(false);
@@ -77,6 +93,7 @@ struct Command::Files {
   std::vector<Option> inputs{}, outputs{};
   std::function<std::vector<NamedFile>()> more_outputs{};
   bool force{};
+  bool* tell_force{};
 };
 
 Command::Command(CLI::App* app) : app_(app), files_(std::make_shared<Files>()) {}
@@ -99,9 +116,10 @@ void Command::add_force() {
                  "did not write");
 }
 
-void Command::also_writes(std::function<std::vector<NamedFile>()> files) {
+void Command::also_writes(std::function<std::vector<NamedFile>()> files, bool* force) {
   add_force();
   files_->more_outputs = std::move(files);
+  files_->tell_force = force;
 }
 
 void Command::add_extent_options() {
@@ -128,6 +146,7 @@ void Command::check_files(const Files& files) {
   if (files.more_outputs)
     for (auto& file : files.more_outputs()) outputs.push_back(std::move(file));
   check_outputs(inputs, outputs, files.force);
+  if (files.tell_force != nullptr) *files.tell_force = files.force;
   for (const auto& input : inputs)
     if (const auto path = input_file(input.path)) note_input(input.option, *path);
 }

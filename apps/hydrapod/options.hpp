@@ -95,8 +95,8 @@ class Command {
   void add_options(std::initializer_list<OptionRow> rows);
 
   /// --force, for files whose names follow from several options; `files` is asked for them when the
-  /// command line was understood.
-  void also_writes(std::function<std::vector<NamedFile>()> files);
+  /// command line was understood. `force`: whether it was given.
+  void also_writes(std::function<std::vector<NamedFile>()> files, bool* force = nullptr);
 
   /// --brief and --all of a command that prints tables: see Extent.
   void add_extent_options();

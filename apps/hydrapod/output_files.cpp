@@ -172,13 +172,17 @@ std::optional<std::string> why_not_writable(const std::string& path) {
 std::optional<std::string> input_file(const std::string& text) {
   std::error_code ignored;
   const auto is_there = [&](const std::string& path) { return fs::is_regular_file(path, ignored); };
-  constexpr std::string_view signal = "file ";
   if (is_there(text)) return text;
   if (const auto at = text.rfind('@'); at != text.npos && is_there(text.substr(0, at)))
     return text.substr(0, at);
-  if (!text.starts_with(signal)) return {};
-  const std::string path = text.substr(signal.size(), text.find(',') - signal.size());
-  return is_there(path) ? std::optional(path) : std::nullopt;
+  constexpr std::string_view signal = "file";
+  std::string_view rest = base::trimmed(text);
+  if (!rest.starts_with(signal)) return {};
+  rest = base::trimmed(rest.substr(signal.size()));
+  if (rest.starts_with(',')) rest = base::trimmed(rest.substr(1));
+  for (const std::string path : {std::string(rest), std::string(rest.substr(0, rest.find(',')))})
+    if (is_there(path)) return path;
+  return {};
 }
 
 void check_outputs(const std::vector<NamedFile>& inputs, const std::vector<NamedFile>& outputs,
@@ -260,10 +264,11 @@ void write_output(const std::string& path, const std::string& text) {
 }
 
 void write_result(const std::string& path, std::size_t format, const std::string& text) {
-  const bool is_table_in_a_file = format == 0 && path != "-";
-  write_output(path, is_table_in_a_file ? fmt::format("{}\n{}\nwritten by {}\n", text,
-                                                      reproduction_text(), program_text())
-                                        : text);
+  if (format != 0) return write_output(path, text);
+  write_output(path,
+               without_commands(path == "-" ? text
+                                            : fmt::format("{}\n{}\nwritten by {}\n", text,
+                                                          reproduction_text(), program_text())));
 }
 
 }  // namespace hydrapod::cli

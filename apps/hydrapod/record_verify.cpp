@@ -31,8 +31,8 @@ Outcome verify(const std::string& file) {
       return tasks::verify_record(file, progress);
     });
     print_diagnostics(found.notes);
-    fmt::print("{}: {} samples of {} channels: {}\n", file, found.samples, found.channels,
-               words(found.checksum));
+    print_text(fmt::format("{}: {} samples of {} channels: {}\n", file, found.samples,
+                           found.channels, words(found.checksum)));
     return found.checksum == data::ChecksumFinding::holds ? Outcome::held : Outcome::not_held;
   } catch (const base::InputError& error) {
     print_diagnostics(error.diagnostics());

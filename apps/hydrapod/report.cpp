@@ -95,6 +95,9 @@ void run(const Arguments& a) {
   result.document["reproduction"] = reproduction();
   write_output(a.output, page ? report::html_page(result.document, options.page.theme)
                               : result.document.dump(1) + "\n");
+  const auto diagnosis = result.document.find("diagnosis");
+  if (diagnosis != result.document.end() && diagnosis->value("interrupted", false))
+    throw base::ComputationError("interrupted: the page contains the hypotheses tried so far");
 }
 
 }  // namespace

@@ -122,10 +122,9 @@ void run(const Arguments& arguments) {
   const auto& run = served.result.run;
   if (options.server.fifo && !served.result.scheduling.starts_with("SCHED_FIFO"))
     print_warning(served.result.scheduling, "--fifo");
-  base::write_file_whole(
-      "-", arguments.format == "json"
-               ? json_text(report::head_json("serve", machine), report::serve_json(served.result))
-               : result_text(served.result, table_style("-")));
+  print_text(arguments.format == "json"
+                 ? json_text(report::head_json("serve", machine), report::serve_json(served.result))
+                 : result_text(served.result, table_style("-")));
   if (run.end == simulation::RunEnd::failed ||
       (run.end == simulation::RunEnd::stopped && options.duration))
     throw base::ComputationError(

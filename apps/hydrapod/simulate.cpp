@@ -336,8 +336,7 @@ void run(const Arguments& arguments) {
   const auto& of = machine.file.machine;
   if (arguments.show_controller) {
     const auto tuning = simulation::tune_controller(of, machine.pose.X_BP);
-    return base::write_file_whole("-",
-                                  controller_text(of, tuning.parameters, tuning.lowest_oil_mode));
+    return print_text(controller_text(of, tuning.parameters, tuning.lowest_oil_mode));
   }
   const auto result = with_progress("simulating", [&](const auto& progress) {
     return tasks::simulate(machine, options, progress);
@@ -351,7 +350,7 @@ void run(const Arguments& arguments) {
           simulation_subtitle(machine, result) + "; machine: " + report::state_text(machine.file),
           path);
     });
-  base::write_file_whole("-", result_text(arguments, machine, result));
+  print_text(result_text(arguments, machine, result));
   fail_if_early(arguments, result);
 }
 

@@ -8,8 +8,11 @@
 
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/command.hpp"
+#include "hydrapod/model/section.hpp"
 #include "hydrapod/report/model_results.hpp"
 #include "hydrapod/reports.hpp"
+#include "hydrapod/reproduction.hpp"
+#include "hydrapod/study_rows.hpp"
 #include "hydrapod/tasks/study.hpp"
 #include "hydrapod/team.hpp"
 
@@ -22,7 +25,7 @@ struct Arguments {
   std::vector<std::string> vary{}, over{}, want{};
   std::string samples{}, seed{};
   std::string design{};
-  bool indices{}, buckling{}, resume{}, join{}, poses{}, no_mpi{};
+  bool indices{}, buckling{}, resume{}, join{}, poses{}, no_mpi{}, force{};
   int threads{}, modes{6};
   std::string shard{}, format{}, output{"-"}, results{"study.h5"}, csv{}, worst{}, plot{};
   std::string value{"lowest"};
@@ -57,21 +60,38 @@ std::pair<int, int> shard_of(const std::string& text, bool join) {
   return {part, all};
 }
 
+std::vector<NamedFile> outputs_of(const Arguments& arguments) {
+  return {{"--results", arguments.results},
+          {"--csv", arguments.csv},
+          {"--worst", arguments.worst},
+          {"--plot", arguments.plot},
+          {"-o", arguments.output}};
+}
+
+/// Machine files have none of these tables and names.
+bool is_study_file(const std::string& path) {
+  std::error_code none;
+  if (!std::filesystem::is_regular_file(path, none)) return false;
+  const auto text = base::read_file(path, 1U << 20U, "a machine or study file");
+  const auto parsed = model::parse_tree(text, 0);
+  if (const auto* root = std::get_if<model::Node>(&parsed))
+    return root->find("vary") != nullptr || root->find("machine") != nullptr;
+  return text.find("\n[vary]") != std::string::npos || text.starts_with("[vary]");
+}
+
 /// What a study file says goes below what the command line says.
 void take_study_file(Arguments& arguments, tasks::StudyOptions& options) {
-  const auto tree_says_study = [&] {
-    if (!arguments.machine.file.ends_with(".toml")) return false;
-    const auto text = base::read_file(arguments.machine.file, 1U << 20U, "a machine or study file");
-    return text.find("\n[vary]") != std::string::npos || text.starts_with("[vary]");
-  };
-  if (!tree_says_study()) return;
   const std::string path = arguments.machine.file;
+  if (!is_study_file(path)) return;
   const auto study = study::read_study_file(path);
   if (!study.machine)
     base::refuse(path,
                  "has no `machine`; expected the path of a machine file, from the study file");
   arguments.machine.file =
       (std::filesystem::path(path).parent_path() / *study.machine).lexically_normal().string();
+  const NamedFile machine{"machine of " + path, arguments.machine.file};
+  check_outputs({machine}, outputs_of(arguments), true);
+  note_input(machine.option, machine.path);
   arguments.machine.overrides.insert(arguments.machine.overrides.begin(), study.set.begin(),
                                      study.set.end());
   if (study.pose && arguments.machine.pose == "neutral") arguments.machine.pose = *study.pose;
@@ -176,24 +196,6 @@ std::string worst_text(const tasks::StudyJob& job, const study::Summary& summary
   return text;
 }
 
-void write_csv(const tasks::StudyJob& job, const std::string& path) {
-  std::string text;
-  for (std::size_t k = 0; k < job.problem.inputs.size(); ++k)
-    text += fmt::format("{}{} [{}]", text.empty() ? "" : ",", job.input_column(k),
-                        job.problem.inputs[k].unit);
-  for (const auto& output : job.problem.outputs)
-    text += fmt::format(",{} [{}]", output.name, output.unit);
-  text += "\n";
-  for (std::uint64_t row = 0; row < job.rows; ++row) {
-    const auto values = tasks::study_row(job, row);
-    for (std::size_t k = 0; k < values.size(); ++k)
-      text += std::isfinite(values[k]) ? fmt::format("{}{:.17g}", k > 0 ? "," : "", values[k])
-                                       : std::string(k > 0 ? "," : "");
-    text += "\n";
-  }
-  write_output(path, text);
-}
-
 /// What is asked of the results, looked at before the work begins.
 void require_results(const Arguments& arguments, const tasks::StudyJob& job) {
   const bool grid = job.plan.design == study::Design::grid;
@@ -222,21 +224,20 @@ void require_results(const Arguments& arguments, const tasks::StudyJob& job) {
     base::refuse("--plot " + arguments.plot, "a heat map needs a grid over exactly two inputs");
 }
 
-void plot_map(const tasks::StudyJob& job, const std::string& value, const std::string& path) {
+void plot_map(const tasks::StudyJob& job, const std::string& value,
+              const std::vector<double>& values, const std::string& path) {
   const auto found = std::ranges::find(job.problem.outputs, value, &study::Column::name);
-  const auto output = static_cast<std::size_t>(found - job.problem.outputs.begin());
-  const auto axis = [&](std::size_t k, std::vector<double>& values) {
+  const auto axis = [&](std::size_t k, std::vector<double>& along) {
     const auto& input = job.problem.inputs[k];
     const bool angle = input.unit == "rad", length = input.unit == "m";
     for (const double one : input.distribution.list)
-      values.push_back(angle ? one * 180.0 / std::numbers::pi : length ? 1e3 * one : one);
+      along.push_back(angle ? one * 180.0 / std::numbers::pi : length ? 1e3 * one : one);
     return fmt::format("{} [{}]", input.name, angle ? "°" : length ? "mm" : input.unit);
   };
-  report::Field field{.name = fmt::format("{} [{}]", found->name, found->unit)};
+  report::Field field{.name = fmt::format("{} [{}]", found->name, found->unit), .values = values};
+  field.values.resize(job.rows, std::numeric_limits<double>::quiet_NaN());
   field.x_name = axis(0, field.x);
   field.y_name = axis(1, field.y);
-  for (std::uint64_t row = 0; row < job.rows; ++row)
-    field.values.push_back(tasks::study_row(job, row)[2 + output]);
   report::plot_field(
       field, fmt::format("{}: {}", job.machine.file.machine.name, found->meaning),
       fmt::format("pose {}, {} model; machine: {}; grey: no value", job.machine.pose.name,
@@ -255,7 +256,8 @@ void write_worst(const tasks::StudyJob& job, const study::Summary& summary,
 }
 
 void report_study(const Arguments& arguments, const tasks::StudyJob& job,
-                  const tasks::StudyDone& done, std::size_t format, const char* kind, int ranks) {
+                  const tasks::StudyDone& done, StudyRows& rows, std::size_t format,
+                  const char* kind, int ranks) {
   const auto& run = done.run;
   if (run.seconds > 0.0)
     print_note(fmt::format("{} rows in {:.3g} s{}, {:.4g} rows/s; {} computed one at a time",
@@ -265,17 +267,12 @@ void report_study(const Arguments& arguments, const tasks::StudyJob& job,
                                              ranks, run.handed_out, run.serving)
                                : "",
                            static_cast<double>(run.done - run.resumed) / run.seconds, run.alone));
-  if (!done.complete)
-    print_warning(
-        fmt::format("interrupted after {} of {} rows ({:.3g} %); the same command with "
-                    "--resume goes on",
-                    run.done, run.count,
-                    100.0 * static_cast<double>(run.done) / static_cast<double>(run.count)));
   if (!done.summary) return print_written(done.rows_file);
   print_written(arguments.results);
-  if (!arguments.csv.empty()) write_csv(job, arguments.csv);
+  rows.close_csv(done.complete);
   if (!arguments.worst.empty()) write_worst(job, *done.summary, arguments.worst);
-  draw(arguments.plot, [&](const auto& path) { plot_map(job, arguments.value, path); });
+  draw(arguments.plot,
+       [&](const auto& path) { plot_map(job, arguments.value, rows.values(), path); });
   const auto style = table_style(arguments.output);
   const auto no_drop = study::why_no_output(job.machine.file.machine, job.machine.kind, "drop");
   if (format == 1)
@@ -313,7 +310,14 @@ tasks::StudyOptions options_of(Arguments& arguments, study::Design design, const
   if (!arguments.design.empty())
     options.plan.design = static_cast<study::Design>(
         choose_word("--design", arguments.design, {"random", "latin", "sobol", "grid"}));
-  if (kind == std::string_view("montecarlo")) take_study_file(arguments, options);
+  if (kind == std::string_view("montecarlo"))
+    take_study_file(arguments, options);
+  else if (is_study_file(arguments.machine.file))
+    base::refuse(
+        arguments.machine.file,
+        fmt::format("is a study file, which `hydrapod montecarlo` reads; {} takes a machine "
+                    "file and --over",
+                    kind));
   for (const auto& text : arguments.vary) options.vary.push_back(varied("--vary", text));
   for (const auto& text : arguments.over) options.over.push_back(varied("--over", text));
   options.want.insert(options.want.end(), arguments.want.begin(), arguments.want.end());
@@ -337,8 +341,12 @@ void run_with(Arguments arguments, study::Design design, const char* kind) {
     const auto options = options_of(arguments, design, kind);
     const auto [shard, shards] = shard_of(arguments.shard, arguments.join);
     require_ending("--results", arguments.results, "h5");
+    require_ending("--csv", arguments.csv, "csv");
+    require_ending("--worst", arguments.worst, ".toml");
     running.output = arguments.results;
     running.resume = arguments.resume;
+    running.replace_rows = arguments.force;
+    running.replace_results = arguments.force || arguments.results == Arguments{}.results;
     running.threads = arguments.threads;
     running.shard = shard;
     running.shards = shards;
@@ -348,11 +356,20 @@ void run_with(Arguments arguments, study::Design design, const char* kind) {
     tasks::check_run(prepared, running);
     return prepared;
   });
+  StudyRows rows(job, arguments.csv, arguments.plot.empty() ? "" : arguments.value);
+  if (rows.are_wanted()) running.take = [&](std::span<const double> some) { rows.take(some); };
   const auto done = with_progress("samples", [&](const numerics::Progress& progress) {
     return tasks::run_study(job, running, progress);
   });
   if (team && team->rank() > 0) return;
-  report_study(arguments, job, done, format, kind, team ? team->size() : 1);
+  report_study(arguments, job, done, rows, format, kind, team ? team->size() : 1);
+  const auto& run = done.run;
+  if (!done.complete)
+    throw base::ComputationError(
+        fmt::format("interrupted after {} of {} rows ({:.3g} %); the same command with "
+                    "--resume goes on",
+                    run.done, run.count,
+                    100.0 * static_cast<double>(run.done) / static_cast<double>(run.count)));
 }
 
 void add_common(Command command, Arguments& arguments) {
@@ -376,12 +393,14 @@ void add_common(Command command, Arguments& arguments) {
        {"--csv", arguments.csv, "All rows as CSV too", writes},
        {"--format", arguments.format, "table or json; default: by the ending of -o, else table"},
        {"-o,--output", arguments.output, "File of the summary; - prints", writes}});
-  command.also_writes([&arguments] {
-    const bool goes_on = arguments.resume || arguments.join || !arguments.shard.empty();
-    const bool is_named = arguments.results != Arguments{}.results;
-    return std::vector<NamedFile>{
-        {"--results", arguments.results, is_named && !goes_on ? Existing::kept : Existing::judged}};
-  });
+  command.also_writes(
+      [&arguments] {
+        const bool goes_on = arguments.resume || arguments.join || !arguments.shard.empty();
+        const bool is_named = arguments.results != Arguments{}.results;
+        return std::vector<NamedFile>{{"--results", arguments.results,
+                                       is_named && !goes_on ? Existing::kept : Existing::judged}};
+      },
+      &arguments.force);
 }
 
 void run_montecarlo(const Arguments& arguments) {

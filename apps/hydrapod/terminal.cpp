@@ -14,6 +14,7 @@
 #include <span>
 #include <stdexcept>
 
+#include "hydrapod/base/file.hpp"
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/progress.hpp"
 
@@ -157,6 +158,45 @@ std::size_t display_width(std::string_view text) {
 }
 
 namespace {
+
+/// Of a sequence of styled() at the beginning of `text`; 0: there is none.
+std::size_t own_sequence(std::string_view text) {
+  constexpr std::string_view end = "\033[0m";
+  if (text.starts_with(end)) return end.size();
+  for (const Style style :
+       {Style::bold, Style::dim, Style::red, Style::yellow, Style::green, Style::cyan})
+    if (const std::string_view code = escape_code(style); text.starts_with(code))
+      return code.size();
+  return 0;
+}
+
+/// Bytes of a control character at the beginning of `text`: C0, DEL, C1 in UTF-8; 0: there is none.
+std::size_t control_length(std::string_view text) {
+  const auto c = static_cast<unsigned char>(text[0]);
+  if ((c < 0x20 && c != '\n' && c != '\t') || c == 0x7F) return 1;
+  const bool c1 = c == 0xC2 && text.size() > 1 && static_cast<unsigned char>(text[1]) < 0xA0;
+  return c1 ? 2 : 0;
+}
+
+}  // namespace
+
+std::string without_commands(std::string_view text) {
+  std::string shown;
+  shown.reserve(text.size());
+  while (!text.empty()) {
+    const std::size_t own = own_sequence(text), control = own > 0 ? 0 : control_length(text);
+    if (control > 0)
+      shown += '?';
+    else
+      shown += text.substr(0, std::max<std::size_t>(own, 1));
+    text.remove_prefix(std::max({own, control, std::size_t{1}}));
+  }
+  return shown;
+}
+
+void print_text(std::string_view text) { base::write_file_whole("-", without_commands(text)); }
+
+namespace {
 bool quiet = false, silent = false;
 
 bool as_lines() {
@@ -165,7 +205,8 @@ bool as_lines() {
 }
 
 void print_line(const std::string& line) {
-  std::fputs((line + '\n').c_str(), stderr);  // that nobody can read it changes no result
+  // that nobody can read it changes no result
+  std::fputs((without_commands(line) + '\n').c_str(), stderr);
 }
 }  // namespace
 

@@ -21,6 +21,13 @@ enum class Style { bold, dim, red, yellow, green, cyan };
 /// `text` in a style, or as it is when `colour` is false.
 std::string styled(std::string_view text, Style style, bool colour);
 
+/// `text` without what could command a terminal: control characters become `?`, except line ends,
+/// tabs and the sequences of styled(). Names of machines, channels and files may be anybody's.
+std::string without_commands(std::string_view text);
+
+/// A text of several lines on the standard output, without_commands().
+void print_text(std::string_view text);
+
 /// Columns that UTF-8 `text` takes on a terminal: escape sequences and combining marks take none,
 /// wide (East Asian) characters two.
 std::size_t display_width(std::string_view text);

@@ -128,10 +128,11 @@ diagnosis::RemedyGoal goal_of(const Options& asked) {
 }
 
 tasks::DiagnoseOptions diagnose_options(const Machine& machine, const Options& asked) {
-  tasks::DiagnoseOptions options{
-      .measured = {.files = asked.get<Names>("measured"),
-                   .observed = observed_system(asked.get<std::string>("against", "auto"))},
-      .goal = goal_of(asked)};
+  // one after the other: where a later member of nested braces throws, GCC 12 destroys twice
+  tasks::DiagnoseOptions options;
+  options.measured.files = asked.get<Names>("measured");
+  options.measured.observed = observed_system(asked.get<std::string>("against", "auto"));
+  options.goal = goal_of(asked);
   auto& rules = options.rules;
   const auto error = [&](const char* name, double& value, double lowest, double highest) {
     const auto given = asked.amount(name, "1");

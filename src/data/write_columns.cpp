@@ -102,9 +102,13 @@ void write_columns(const std::string& path, const ColumnFile& content) {
   Hdf5Handle file(H5Fcreate(part.part().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT),
                   H5Fclose);
   if (!file.ok()) fail();
+  bool good = true;
+  {
+    const Hdf5Handle root(H5Gopen2(file.id(), "/", H5P_DEFAULT), H5Gclose);
+    if (!content.study.empty()) good = write_attribute(root.id(), "study", content.study);
+  }
   ColumnSets sets(file.id(), content);
   content.each_rows([&](std::span<const double> rows) { sets.take(rows); });
-  bool good = true;
   {
     const Hdf5Handle root(H5Gopen2(file.id(), "/", H5P_DEFAULT), H5Gclose);
     for (const auto& [name, text] : content.texts)

@@ -362,6 +362,11 @@ StateSpace discretised(const StateSpace& system, double sample_time) {
   result.A = d.asDiagonal() * power.topLeftCorner(n, n) * d.cwiseInverse().asDiagonal();
   result.B = d.asDiagonal() * power.topRightCorner(n, m) * sizes.asDiagonal();
   result.sample_time = sample_time;
+  if (!result.A.allFinite() || !result.B.allFinite())
+    throw base::ComputationError(fmt::format(
+        "the state space has no discrete form at a sample time of {:g} s: its numbers are beyond "
+        "those of doubles",
+        sample_time));
   return result;
 }
 

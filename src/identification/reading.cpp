@@ -85,7 +85,8 @@ std::vector<Index> corrected_columns(const Reading& reading) {
 }  // namespace
 
 std::int64_t settling_samples(const data::RecordSet& records, const MeasureOptions& options) {
-  return std::llround(options.settling * records.header().sample_rate);
+  constexpr double most = 9e15;  // beyond every record, and an integer
+  return std::llround(std::min(options.settling * records.header().sample_rate, most));
 }
 
 Reading plan_reading(data::RecordSet& records, Plan& plan, const MeasureOptions& options,

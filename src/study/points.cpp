@@ -62,7 +62,9 @@ void grid_point(const Plan& plan, std::uint64_t row, std::span<double> u) {
 }  // namespace
 
 std::uint64_t rows_of(const Plan& plan, std::size_t inputs) {
-  return plan.indices ? plan.samples * (inputs + 2) : plan.samples;
+  constexpr std::uint64_t most = std::uint64_t{1} << 62U;
+  const std::uint64_t each = plan.indices ? inputs + 2 : 1;
+  return plan.samples > most / each ? most : plan.samples * each;
 }
 
 void place(const Plan& plan, std::uint64_t row, std::span<double> u) {

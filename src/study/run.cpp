@@ -1,4 +1,3 @@
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -32,10 +31,11 @@ namespace {
 /// Appends to the spool, unbuffered: what was written survives the end of the program.
 class SpoolWriter {
  public:
-  SpoolWriter(const std::string& path, const SpoolHead& head, bool resume)
-      : path_(path), head_(head) {
-    file_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | (resume ? 0 : O_TRUNC), 0666);
-    if (file_ < 0) base::refuse(path, fmt::format("cannot be written: {}", std::strerror(errno)));
+  SpoolWriter(const std::string& path, const SpoolHead& head, bool resume, bool replace)
+      : path_(path),
+        head_(head),
+        held_(std::make_shared<RowsFile>(path, head.magic, resume, replace)),
+        file_(held_->number()) {
     if (resume) done_ = good_rows();
     if (done_ > 0) return;
     if (::ftruncate(file_, 0) != 0 || ::lseek(file_, 0, SEEK_SET) != 0) fail();
@@ -43,8 +43,9 @@ class SpoolWriter {
   }
   SpoolWriter(const SpoolWriter&) = delete;
   SpoolWriter& operator=(const SpoolWriter&) = delete;
-  ~SpoolWriter() { ::close(file_); }
+  ~SpoolWriter() = default;
 
+  [[nodiscard]] std::shared_ptr<void> held() const { return held_; }
   [[nodiscard]] std::uint64_t done() const { return done_; }
 
   /// A chunk whose last number is room for the checksum.
@@ -75,7 +76,7 @@ class SpoolWriter {
     if (std::memcmp(&head, &head_, sizeof head) != 0)
       base::refuse(path_,
                    "holds rows of another study (machine, inputs, outputs, samples, seed or "
-                   "program differ); leave --resume out to begin anew");
+                   "program differ); --force without --resume begins anew");
     std::uint64_t done = 0;
     std::vector<double> chunk(chunk_rows * head.width + 1);
     while (done < head.count) {
@@ -97,7 +98,8 @@ class SpoolWriter {
 
   std::string path_;
   SpoolHead head_;
-  int file_{-1};
+  std::shared_ptr<RowsFile> held_;
+  int file_;
   std::uint64_t done_{};
 };
 
@@ -147,8 +149,9 @@ RunResult run(const Problem& problem, const Plan& plan, const RunOptions& option
               const numerics::Progress& progress) {
   const auto begun = std::chrono::steady_clock::now();
   const auto head = head_of(problem, plan, options);
-  SpoolWriter spool(options.spool, head, options.resume);
+  SpoolWriter spool(options.spool, head, options.resume, options.replace);
   RunResult result{.first = head.first, .count = head.count, .resumed = spool.done()};
+  result.held = spool.held();
   constexpr std::size_t batch = 32;  // chunks: 5 ms between two writes where a row takes 5 µs
   std::vector<std::vector<double>> chunks(batch, std::vector<double>(chunk_rows * head.width + 1));
   bool stopped = false;

@@ -1,4 +1,3 @@
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -47,14 +46,13 @@ class RankFile {
   RankFile(std::string path, const SpoolHead& head, bool resume)
       : path_(std::move(path)),
         head_(head),
-        record_(record_bytes(head.width) / sizeof(std::uint64_t)) {
-    file_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | (resume ? 0 : O_TRUNC), 0666);
-    if (file_ < 0) base::refuse(path_, fmt::format("cannot be written: {}", std::strerror(errno)));
+        record_(record_bytes(head.width) / sizeof(std::uint64_t)),
+        held_(std::make_shared<RowsFile>(path_, head.magic, resume, true)),
+        file_(held_->number()) {
     cut_to_good_records();
   }
-  RankFile(const RankFile&) = delete;
-  RankFile& operator=(const RankFile&) = delete;
-  ~RankFile() { ::close(file_); }
+
+  [[nodiscard]] std::shared_ptr<void> held() const { return held_; }
 
   /// `numbers`: the rows, followed by room for a whole chunk.
   void add(std::uint64_t chunk, std::span<const double> numbers) {
@@ -88,7 +86,8 @@ class RankFile {
   std::string path_;
   SpoolHead head_;
   std::vector<std::uint64_t> record_;
-  int file_{-1};
+  std::shared_ptr<RowsFile> held_;
+  int file_;
 };
 
 /// Hands out what no file has yet: a quarter of what is left, over the ranks, at most 64 chunks.
@@ -108,7 +107,7 @@ class Dispenser {
       if (std::memcmp(&head, &expected, sizeof head) != 0)
         base::refuse(path,
                      "holds rows of another study (machine, inputs, outputs, samples, seed or "
-                     "program differ); leave --resume out to begin anew");
+                     "program differ); --force without --resume begins anew");
       while (file.read(reinterpret_cast<char*>(record.data()),
                        static_cast<std::streamsize>(record_bytes(expected.width)))) {
         if (record.front() >= done_.size() ||
@@ -341,6 +340,8 @@ RunResult run_as_team(Team& team, const Problem& problem, const Plan& plan,
   std::uint64_t before = 0;
   try {
     const auto files = rank_files(options.spool);
+    for (const auto& file : files)
+      const RowsFile free(file, head.magic, options.resume, options.replace);
     if (options.resume)
       before = dispenser.take_files(files, head);
     else
@@ -357,6 +358,7 @@ RunResult run_as_team(Team& team, const Problem& problem, const Plan& plan,
   result.resumed = rows_of_chunks(before);
   std::uint64_t done = 0;
   RankFile file(path, head, options.resume);
+  result.held = file.held();
   while (const auto range = server.ask(std::exchange(done, 0))) {
     worker.compute(*range, file);
     done = range->count;

@@ -9,9 +9,6 @@
 
 namespace hydrapod::study {
 
-/// Everything that the rows depend on, as one number.
-std::uint64_t fingerprint(const Problem& problem, const Plan& plan, const std::string& more);
-
 /// Evaluators that tasks on several threads take and give back: as many as there are threads.
 class Evaluators {
  public:

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 #define XXH_INLINE_ALL
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 #include <xxhash.h>
 
@@ -28,7 +31,57 @@ SpoolHead read_head(std::ifstream& file, const std::string& path) {
   return head;
 }
 
+/// Whether the name still is that of the open file: a run that ends removes its file.
+bool is_still(int file, const std::string& path) {
+  struct stat of_file {
+  }, of_name{};
+  return ::fstat(file, &of_file) == 0 && ::lstat(path.c_str(), &of_name) == 0 &&
+         of_file.st_dev == of_name.st_dev && of_file.st_ino == of_name.st_ino;
+}
+
 }  // namespace
+
+RowsFile::RowsFile(const std::string& path, std::uint64_t magic, bool resume, bool replace) {
+  open(path);
+  SpoolHead head{.magic = 0};
+  const auto got = ::pread(number_, &head, sizeof head, 0);
+  const auto known = static_cast<std::size_t>(std::clamp<ssize_t>(got, 0, sizeof magic));
+  if (got < 0 || std::memcmp(&head, &magic, known) != 0)
+    base::refuse(path,
+                 "is no file of a study's rows and was left as it is; choose another name "
+                 "for the results");
+  if (resume) return;
+  if (!replace && ::lseek(number_, 0, SEEK_END) > static_cast<off_t>(sizeof head))
+    base::refuse(path,
+                 "holds rows of an interrupted study or of a part; --resume goes on with "
+                 "them, --force begins anew");
+  if (::ftruncate(number_, 0) != 0 || ::lseek(number_, 0, SEEK_SET) != 0)
+    base::refuse(path, fmt::format("cannot be written: {}", std::strerror(errno)));
+}
+
+RowsFile::~RowsFile() {
+  if (number_ >= 0) ::close(number_);
+}
+
+void RowsFile::open(const std::string& path) {
+  do {
+    if (number_ >= 0) ::close(number_);
+    number_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, 0666);
+    const int cause = errno;
+    struct stat kind {};
+    const bool is_file = number_ >= 0 && ::fstat(number_, &kind) == 0 && S_ISREG(kind.st_mode);
+    if (cause == ELOOP && number_ < 0)
+      base::refuse(path, "is a link and was left as it is; choose another name for the results");
+    if (!is_file)
+      base::refuse(path, fmt::format("cannot be written: {}",
+                                     number_ < 0 ? std::strerror(cause) : "it is no file"));
+    // file systems that have no locks: then there is none
+    if (::flock(number_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
+      base::refuse(path,
+                   "another run is writing it; wait for its end, or choose another name for "
+                   "the results");
+  } while (!is_still(number_, path));
+}
 
 std::uint64_t hash_of(const void* bytes, std::size_t size) { return XXH3_64bits(bytes, size); }
 
@@ -62,6 +115,7 @@ Spool::Spool(std::vector<std::string> paths) : paths_(std::move(paths)) {
                    "does not continue the part before it; a part is missing or not "
                    "complete (run it again with --resume)");
     width_ = head.width;
+    fingerprint_ = head.fingerprint;
     file.seekg(0, std::ios::end);
     const auto size = static_cast<std::uint64_t>(file.tellg()) - sizeof head;
     const std::uint64_t whole = size / chunk_bytes(chunk_rows, width_);
@@ -84,6 +138,7 @@ void Spool::index_ranks() {
     if (k == 0) {
       first = head;
       width_ = head.width;
+      fingerprint_ = head.fingerprint;
       places_.assign((head.all + chunk_rows - 1) / chunk_rows, none);
     }
     if (head.magic != rank_magic || head.fingerprint != first.fingerprint ||

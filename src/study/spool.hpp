@@ -32,6 +32,23 @@ std::uint64_t hash_of(const void* bytes, std::size_t size);
 /// All of `bytes` to a file descriptor; false, with errno, where that fails.
 bool write_all(int file, const void* bytes, std::size_t size);
 
+/// A file of rows, open for its one writer: locked until it is closed. No link is followed.
+class RowsFile {
+ public:
+  /// `magic`: of a file that the writer may take. Its rows are cut off, unless they are gone on
+  /// with. Throws base::InputError where another run writes the file, where it is a link or none of
+  /// rows, and where there are rows that may not be replaced.
+  RowsFile(const std::string& path, std::uint64_t magic, bool resume, bool replace);
+  RowsFile(const RowsFile&) = delete;
+  RowsFile& operator=(const RowsFile&) = delete;
+  ~RowsFile();
+  [[nodiscard]] int number() const { return number_; }
+
+ private:
+  void open(const std::string& path);
+  int number_{-1};
+};
+
 /// Bytes of a chunk of `rows` rows with its checksum.
 constexpr std::uint64_t chunk_bytes(std::uint64_t rows, std::uint64_t width) {
   return (rows * width + 1) * sizeof(double);

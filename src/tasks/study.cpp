@@ -6,6 +6,8 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
+#include <limits>
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/text.hpp"
@@ -209,8 +211,7 @@ void require_room(const StudyJob& job, const StudyRunOptions& options) {
   std::error_code unknown;
   const auto folder = fs::absolute(options.output).parent_path();
   const auto space = fs::space(folder, unknown);
-  const double needed =
-      2.0 * static_cast<double>(job.bytes) / options.shards;  // rows, then columns
+  const double needed = 2.0 * job.bytes / options.shards;  // rows, then columns
   if (unknown || needed < static_cast<double>(space.available)) return;
   const int ranks = options.team != nullptr ? options.team->size() : 1;
   const int threads = options.threads > 0 ? options.threads * ranks
@@ -224,7 +225,7 @@ void require_room(const StudyJob& job, const StudyRunOptions& options) {
       threads, folder.string(), static_cast<double>(space.available) / 1e9));
 }
 
-std::string fingerprint_of(const StudyJob& job) {
+std::string dependences_of(const StudyJob& job) {
   std::string text = fmt::format("{}\n{}\n{}\n{}", base::version, job.machine.file.text,
                                  dynamics::name(job.machine.kind), job.poses);
   for (const auto& one : job.machine.file.overrides) text += "\n" + one;
@@ -234,9 +235,39 @@ std::string fingerprint_of(const StudyJob& job) {
   return text;
 }
 
+std::uint64_t fingerprint_of(const StudyJob& job) {
+  return study::fingerprint(job.problem, job.plan, dependences_of(job));
+}
+
+/// By which results are known as those of a study; see write_results().
+std::string study_word(const StudyJob& job) {
+  return fmt::format("hydrapod study {:016x}", fingerprint_of(job));
+}
+
+bool are_results_of(const StudyJob& job, const std::string& path) {
+  constexpr std::size_t beginning = 1U << 16U;
+  std::ifstream file(path, std::ios::binary);
+  std::string text(beginning, '\0');
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(file.gcount()));
+  return text.find(study_word(job)) != std::string::npos;
+}
+
+/// Results of another study stay: of a run that goes on or puts parts together nobody has looked
+/// yet what stands there.
+void check_results(const StudyJob& job, const StudyRunOptions& options) {
+  const bool writes_them = options.join || options.shards == 1;
+  std::error_code none;
+  if (options.replace_results || !writes_them || !fs::exists(options.output, none)) return;
+  if (!are_results_of(job, options.output))
+    base::refuse(options.output,
+                 "is a file of something else than this study and was left as it "
+                 "is; choose another name, or --force to replace it");
+}
+
 void write_results(const StudyJob& job, const study::Spool& spool, const StudyRunOptions& options,
                    bool complete) {
-  data::ColumnFile file{.rows = spool.rows(), .threads = options.threads};
+  data::ColumnFile file{.rows = spool.rows(), .threads = options.threads, .study = study_word(job)};
   for (std::size_t k = 0; k < job.problem.inputs.size(); ++k)
     file.columns.push_back({job.input_column(k), job.problem.inputs[k].unit, "varied"});
   for (const auto& output : job.problem.outputs)
@@ -262,12 +293,20 @@ StudyJob prepare_study(const Machine& machine, const StudyOptions& options) {
   StudyJob job{.machine = machine, .plan = options.plan, .poses = options.poses};
   auto inputs = inputs_of(machine, options);
   if (inputs.empty()) throw std::invalid_argument("prepare_study: nothing varies");
-  if (job.plan.design == study::Design::grid) {
+  const bool grid = job.plan.design == study::Design::grid;
+  for (const auto& input : inputs)
+    if (grid && input.distribution.list.empty())
+      base::refuse(input.name,
+                   "a grid needs a range or a list of values, not a distribution; "
+                   "`hydrapod sweep` computes grids");
+  if (grid) {
     job.plan.samples = 1;
     job.plan.counts.clear();
     for (const auto& input : inputs) {
       job.plan.counts.push_back(static_cast<int>(input.distribution.list.size()));
-      job.plan.samples *= input.distribution.list.size();
+      if (__builtin_mul_overflow(job.plan.samples, input.distribution.list.size(),
+                                 &job.plan.samples))
+        job.plan.samples = std::numeric_limits<std::uint64_t>::max();
     }
   }
   job.problem = study::machine_problem(machine.file.machine, std::move(inputs),
@@ -285,7 +324,8 @@ StudyJob prepare_study(const Machine& machine, const StudyOptions& options) {
         requirement_of(machine.file.machine, machine.kind, job.problem.outputs, text));
   job.rows = rows_of(job.plan, job.problem.inputs.size());
   job.seconds_per_row = measured_seconds(job.problem, job.plan, job.rows);
-  job.bytes = job.rows * (job.problem.inputs.size() + job.problem.outputs.size()) * sizeof(double);
+  job.bytes = static_cast<double>(job.rows) * sizeof(double) *
+              static_cast<double>(job.problem.inputs.size() + job.problem.outputs.size());
   return job;
 }
 
@@ -323,10 +363,11 @@ study::RunResult compute(const StudyJob& job, const StudyRunOptions& options,
   const study::RunOptions run{
       .spool = rows_file,
       .resume = options.resume,
+      .replace = options.replace_rows,
       .threads = options.threads == 0 && options.team != nullptr ? 1 : options.threads,
       .shard = options.shard,
       .shards = options.shards,
-      .fingerprint = fingerprint_of(job)};
+      .fingerprint = dependences_of(job)};
   if (team == nullptr) {
     files = {rows_file};
     return study::run(job.problem, job.plan, run, progress);
@@ -341,25 +382,33 @@ study::RunResult compute(const StudyJob& job, const StudyRunOptions& options,
 
 void check_run(const StudyJob& job, const StudyRunOptions& options) {
   check_team(job, options);
+  check_results(job, options);
   if (!options.join) require_room(job, options);
 }
 
 StudyDone run_study(const StudyJob& job, const StudyRunOptions& options, const Progress& progress) {
   StudyDone done;
+  std::shared_ptr<void> held;  // no other run takes the rows until they are in the results
   std::vector<std::string> files;
   if (options.join) {
     for (int k = 1; k <= options.shards; ++k)
       files.push_back(shard_file(options.output, k, options.shards));
     done.run.count = job.rows;
+    check_results(job, options);
   } else {
     if (options.team == nullptr) check_run(job, options);
     done.rows_file = shard_file(options.output, options.shard, options.shards);
     done.run = compute(job, options, done.rows_file, files, progress);
+    held = std::move(done.run.held);
     done.complete = done.run.complete();
     if (options.shards > 1 || done.run.done == 0) return done;
     if (options.team != nullptr && options.team->rank() > 0) return done;
   }
   const study::Spool spool(files);
+  if (spool.fingerprint() != fingerprint_of(job))
+    base::refuse(files.front(),
+                 "is of another study than this command describes (machine, inputs, "
+                 "outputs, samples, seed or program differ)");
   if (options.join) {
     done.run.done = spool.rows();
     done.complete = spool.rows() == job.rows;

@@ -74,6 +74,10 @@ TEST_F(OutputFiles, AnotherNameOfAnInputIsTheInput) {
   for (const std::string name : {"./run.h5", "link.h5", "hard.h5"})
     expect_refused({"frf", "run.h5", "-o", name, "--force"}, "run.h5", "is the input");
   expect_refused({"frf", "link.h5", "-o", "run.h5", "--force"}, "run.h5", "is the input");
+  // a signal's file, with blanks as the signal's text may have them
+  for (const char* command : {"file run.csv", "  file   run.csv ", "file,run.csv"})
+    expect_refused({"simulate", "m.toml", "--command", command, "-o", "./run.csv", "--force"},
+                   "run.csv", "is the input");
 }
 
 TEST_F(OutputFiles, TwoOutputsAreTwoFiles) {

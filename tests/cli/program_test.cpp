@@ -108,5 +108,88 @@ TEST(Program, RefusesWhatIsNoNumber) {
   EXPECT_THAT(slow.err, testing::HasSubstr("the record of 60 s would have no sample"));
 }
 
+/// C reads 010 as 8, and numbers that are too large as the largest.
+TEST(Program, ReadsWholeNumbersAsTheyAreWritten) {
+  const std::string machine = test::source_file("models/zhang-jiang-2021.toml").string();
+  const test::TemporaryFolder folder;
+  const auto record = [&](const std::string& seed, const std::string& name) {
+    const auto run = run_hydrapod(
+        {"rig", machine, "--duration", "0.2", "--settling", "0", "--seed", seed, "-o", name},
+        {.folder = folder.path()});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    const auto table =
+        test::read_text(folder / name);  // without its notes, which state the command
+    return table.substr(table.rfind("\n#") + 1);
+  };
+  const auto padded = record("010", "a.csv");
+  EXPECT_EQ(padded, record("10", "b.csv"));
+  EXPECT_NE(padded, record("8", "c.csv"));
+  EXPECT_EQ(record("000", "d.csv"), record("0", "e.csv"));
+  const auto huge = run_hydrapod({"simulate", machine, "--seed", "99999999999999999999"});
+  EXPECT_EQ(huge.exit_code, 2);
+  EXPECT_THAT(huge.err, HasSubstr("expected at most 18446744073709551615"));
+}
+
+/// What is wrong in one option ends with a message, also beside options that were right.
+TEST(Program, WrongAmountsEndWithAMessage) {
+  const std::string machine = test::source_file("models/zhang-jiang-2021.toml").string();
+  const test::TemporaryFolder folder;
+  test::write_text(folder / "modes.csv", "frequency [Hz],direction\n4.1,x\n4.1,y\n6.5,rz\n");
+  const auto complaint = [&](const std::vector<std::string>& words) {
+    const auto run = run_hydrapod(words, {.folder = folder.path()});
+    EXPECT_TRUE(run.exit_code == 1 || run.exit_code == 2) << run.exit_code << " " << words[0];
+    return run.err;
+  };
+  const std::vector<std::string> diagnose{"diagnose", machine, "--measured", "modes.csv"};
+  const auto with = [&](const std::string& option, const std::string& value) {
+    auto words = diagnose;
+    words.insert(words.end(), {option, value});
+    return complaint(words);
+  };
+  EXPECT_THAT(with("--want", "nan Hz"), HasSubstr("--want nan Hz: error:"));
+  EXPECT_THAT(with("--want", "0 %"), HasSubstr("--want 0 %: error: expected a drop above 0 %"));
+  EXPECT_THAT(with("--poses", "z=1e9 mm"), HasSubstr("error:"));
+  EXPECT_THAT(with("--against", "nothing"), HasSubstr("error:"));
+  ASSERT_EQ(
+      run_hydrapod({"rig", machine, "--duration", "2", "-o", "run.h5"}, {.folder = folder.path()})
+          .exit_code,
+      0);
+  for (const char* settling : {"1e308", "1e15", "3"})
+    EXPECT_THAT(complaint({"frf", "run.h5", "--settling", settling}),
+                HasSubstr("are left out as settling, and the record has 2 s"));
+  for (const char* time : {"1e308", "1e-308"})
+    EXPECT_THAT(
+        complaint({"export", machine, "--to", "json", "--sample-time", time, "-o", "m.json"}),
+        HasSubstr("the state space has no discrete form at a sample time of"));
+}
+
+/// Names may come from anybody with a file. None of them reaches a terminal as a command.
+TEST(Program, NamesDoNotCommandTheTerminal) {
+  const test::TemporaryFolder folder;
+  auto text = test::read_text(test::source_file("models/zhang-jiang-2021.toml"));
+  const auto at = text.find("\nname = ");
+  ASSERT_NE(at, std::string::npos);
+  text.replace(at, text.find('\n', at + 1) - at,
+               "\nname = \"A\\u001b]0;title\\u0007B\\u009b31mC\"");
+  const std::string name = "a\033[31m\007.toml";
+  test::write_text(folder / name, text);
+  const std::vector<std::vector<std::string>> commands{
+      {"check", name},
+      {"modes", name},
+      {"modes", "b" + name},
+      {"modes", name, "-o", "t\033c.txt"},
+      {"simulate", name, "--until", "0.01"},
+      {"export", name, "--to", "json", "-o", "m.json"},
+      {"compare", name, name},
+      {"modes", name, "--pose", name}};
+  for (const auto& words : commands) {
+    const auto run = run_hydrapod(words, {.folder = folder.path()});
+    for (const char* control : {"\033", "\007", "\u009b"})
+      EXPECT_THAT(run.out + run.err, Not(HasSubstr(control))) << words[0];
+    EXPECT_THAT(run.out + run.err, HasSubstr("?")) << words[0];
+  }
+  EXPECT_THAT(test::read_text(folder / "t\033c.txt"), Not(HasSubstr("\033")));
+}
+
 }  // namespace
 }  // namespace hydrapod

@@ -143,7 +143,8 @@ struct ColumnHead {
 struct ColumnFile {
   std::vector<ColumnHead> columns{};
   std::uint64_t rows{};
-  int threads{};  ///< that pack the columns; 0: one per processor
+  int threads{};        ///< that pack the columns; 0: one per processor
+  std::string study{};  ///< which one, in a few words in the first 64 KiB; empty: none
   std::map<std::string, std::string> texts{};
   std::map<std::string, double> numbers{};
   /// Hands all rows over, some at a time, one row after the other, columns side by side.

@@ -73,9 +73,7 @@ struct Input {
 };
 
 struct Column {
-  std::string name{};
-  std::string unit{};
-  std::string meaning{};
+  std::string name{}, unit{}, meaning{};
 };
 
 /// Fills a row of outputs from a row of inputs. What cannot be computed is NaN.
@@ -113,7 +111,7 @@ struct Plan {
   std::vector<int> counts{};  ///< of a grid, per input
 };
 
-/// All rows of the plan for `inputs` inputs.
+/// All rows of the plan for `inputs` inputs; 2⁶² where they are more.
 std::uint64_t rows_of(const Plan& plan, std::size_t inputs);
 
 /// u of sample `row`, one for each input.
@@ -144,25 +142,29 @@ class Evaluator {
 struct RunOptions {
   std::string spool{};        ///< file of rows, see Spool
   bool resume{};              ///< go on with what the file holds; else it is begun anew
+  bool replace{true};         ///< begun anew although there are rows; else an error
   int threads{};              ///< 0: one per processor
   int shard{1}, shards{1};    ///< of all rows, the part 1 … shards
   std::string fingerprint{};  ///< what the rows depend on besides inputs, outputs and plan
 };
 
 struct RunResult {
-  std::uint64_t first{}, count{};  ///< rows that the shard consists of
-  std::uint64_t done{};            ///< that are in the spool
-  std::uint64_t resumed{};         ///< that were there before
-  std::uint64_t alone{};           ///< rows of a batch that had to be computed alone, of this run
+  std::uint64_t first{}, count{};   ///< rows that the shard consists of
+  std::uint64_t done{}, resumed{};  ///< that are in the spool; that were there before
+  std::uint64_t alone{};            ///< rows of a batch that had to be computed alone, of this run
   double seconds{};
-  std::uint64_t handed_out{};  ///< of a team: ranges of chunks that rank 0 gave to other ranks
-  double serving{};            ///< [s] processor time of rank 0 for that, waiting included
+  std::uint64_t handed_out{};    ///< of a team: ranges of chunks that rank 0 gave to other ranks
+  double serving{};              ///< [s] processor time of rank 0 for that, waiting included
+  std::shared_ptr<void> held{};  ///< while it lives, no other run writes the spool
   [[nodiscard]] bool complete() const { return done == count; }
 };
 
+/// Everything that the rows depend on, as one number; `more`: see RunOptions.
+std::uint64_t fingerprint(const Problem& problem, const Plan& plan, const std::string& more);
+
 /// Computes the rows into the spool. After a kill what the spool holds up to its last whole chunk
-/// is good. Throws base::InputError where the spool is of another study, base::ComputationError
-/// where it cannot be written.
+/// is good. Throws base::InputError where the spool is of another study, of another run, a link or
+/// no file of rows; base::ComputationError where it cannot be written.
 RunResult run(const Problem& problem, const Plan& plan, const RunOptions& options,
               const numerics::Progress& progress = {});
 
@@ -203,6 +205,7 @@ class Spool {
   explicit Spool(std::vector<std::string> paths);
   [[nodiscard]] std::uint64_t rows() const { return rows_; }
   [[nodiscard]] std::size_t width() const { return width_; }
+  [[nodiscard]] std::uint64_t fingerprint() const { return fingerprint_; }
   /// Calls `take` with the rows of a chunk, row by row, and the number of the first.
   void each_chunk(const std::function<void(std::uint64_t, std::span<const double>)>& take) const;
   [[nodiscard]] std::vector<double> row(std::uint64_t index) const;
@@ -210,8 +213,7 @@ class Spool {
  private:
   std::vector<std::string> paths_;
   std::vector<std::uint64_t> counts_;
-  std::uint64_t rows_{};
-  std::size_t width_{};
+  std::uint64_t rows_{}, fingerprint_{}, width_{};
   struct Place {
     std::uint32_t file{}, record{};
   };
@@ -421,8 +423,7 @@ struct DesignOptions {
 /// A design with the worst of all poses.
 struct DesignPoint {
   std::vector<double> values{};  ///< of the changes [SI]
-  bool computed{};               ///< status 0 at every pose
-  bool feasible{};               ///< computed, and every requirement is met at every pose
+  bool computed{}, feasible{};   ///< status 0 at every pose; and every requirement is met there
   std::vector<double> aims{};
   std::vector<double> worst{};  ///< per requirement, NaN where there is none
   std::vector<int> pose{};      ///< per requirement, where that is
@@ -451,7 +452,6 @@ struct Reach {
   bool enough{};
   std::vector<double> values{};  ///< of the changes
 };
-
 struct DesignResult {
   DesignPoint present{};  ///< the machine as it is, also where that is beyond the bounds
   DesignPoint best{};     ///< feasible, or the least violation found
@@ -482,9 +482,9 @@ std::vector<Slice> design_slices(const DesignProblem& problem, const DesignPoint
 /// What a study file (TOML) says.
 struct StudyFile {
   std::string text{};
-  std::optional<std::string> machine{};  ///< its path, relative to the study file
+  std::optional<std::string> machine{},
+      pose{};  ///< path of the machine, relative to the study file
   std::vector<std::string> set{};
-  std::optional<std::string> pose{};
   struct Given {
     std::string key{}, text{}, place{};
   };

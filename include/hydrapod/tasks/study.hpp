@@ -36,7 +36,7 @@ struct StudyJob {
   bool poses{};
   std::uint64_t rows{};
   double seconds_per_row{};  ///< one thread, measured on the first rows
-  std::uint64_t bytes{};     ///< of the rows on the disk
+  double bytes{};            ///< of the rows on the disk
   /// Name of the column of input `k`: displacements are "pose.x", for "x" is the first resonance in
   /// x.
   [[nodiscard]] std::string input_column(std::size_t k) const {
@@ -53,6 +53,8 @@ StudyJob prepare_study(const Machine& machine, const StudyOptions& options);
 struct StudyRunOptions {
   std::string output{};  ///< HDF5 file; rows are kept beside it until they are complete
   bool resume{};
+  bool replace_rows{true};     ///< of an interrupted run that is not gone on with; else an error
+  bool replace_results{true};  ///< those of another study; else an error
   int threads{};
   int shard{1}, shards{1};
   bool join{};  ///< nothing is computed: the shards are put together
@@ -72,7 +74,8 @@ struct StudyDone {
 };
 
 /// Throws base::ComputationError where the disk has no room for the rows; the message says how long
-/// the study would take. base::InputError where a team has more ranks than there is work.
+/// the study would take. base::InputError where a team has more ranks than there is work, and for
+/// results that may not be replaced.
 void check_run(const StudyJob& job, const StudyRunOptions& options);
 
 /// Begins with check_run(), unless there is a team: then all ranks have to check before any begins.

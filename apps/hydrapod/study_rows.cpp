@@ -1,0 +1,71 @@
+#include "hydrapod/study_rows.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <iterator>
+#include <utility>
+
+#include "hydrapod/terminal.hpp"
+
+namespace hydrapod::cli {
+
+StudyRows::StudyRows(const tasks::StudyJob& job, std::string csv, const std::string& output)
+    : csv_(std::move(csv)), width_(job.problem.inputs.size() + job.problem.outputs.size()) {
+  const auto& outputs = job.problem.outputs;
+  if (const auto at = std::ranges::find(outputs, output, &study::Column::name); at != outputs.end())
+    output_ = job.problem.inputs.size() + static_cast<std::size_t>(at - outputs.begin());
+  for (std::size_t k = 0; k < job.problem.inputs.size(); ++k)
+    titles_ += fmt::format("{}{} [{}]", titles_.empty() ? "" : ",", job.input_column(k),
+                           job.problem.inputs[k].unit);
+  for (const auto& one : outputs) titles_ += fmt::format(",{} [{}]", one.name, one.unit);
+  titles_ += "\n";
+}
+
+void StudyRows::take(std::span<const double> rows) {
+  if (output_)
+    for (std::size_t at = *output_; at < rows.size(); at += width_) values_.push_back(rows[at]);
+  if (csv_.empty()) return;
+  if (!file_) open_csv();
+  fmt::memory_buffer text;
+  for (std::size_t at = 0; at < rows.size(); ++at) {
+    if (std::isfinite(rows[at])) fmt::format_to(std::back_inserter(text), "{:.17g}", rows[at]);
+    text.push_back((at + 1) % width_ == 0 ? '\n' : ',');
+  }
+  write({text.data(), text.size()});
+}
+
+void StudyRows::close_csv(bool complete) {
+  if (!file_) return;
+  const bool written = std::fflush(file_.get()) == 0;
+  if (std::fclose(file_.release()) != 0 || !written) fail();
+  const std::string place = part_ ? part_->commit(complete) : csv_;
+  if (csv_ != "-") print_written(place);
+}
+
+/// Devices, pipes and the standard output are written directly.
+void StudyRows::open_csv() {
+  std::error_code none;
+  const bool exists = std::filesystem::exists(csv_, none);
+  const bool direct = csv_ == "-" || (exists && !std::filesystem::is_regular_file(csv_, none));
+  if (!direct) part_.emplace(csv_);
+  const std::string& name = direct ? csv_ : part_->part();
+  file_.reset(csv_ == "-" ? ::fdopen(::dup(STDOUT_FILENO), "w") : std::fopen(name.c_str(), "w"));
+  if (!file_) fail();
+  write(titles_);
+}
+
+void StudyRows::write(std::string_view text) {
+  if (std::fwrite(text.data(), 1, text.size(), file_.get()) != text.size()) fail();
+}
+
+void StudyRows::fail() const {
+  throw base::ComputationError(fmt::format("writing '{}' failed: {}", csv_, std::strerror(errno)));
+}
+
+}  // namespace hydrapod::cli

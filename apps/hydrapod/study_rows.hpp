@@ -1,0 +1,48 @@
+#pragma once
+/// What is made of a study's rows while they are read once, in bounded memory: the table of --csv
+/// and the values of a heat map.
+
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hydrapod/base/file.hpp"
+#include "hydrapod/tasks/study.hpp"
+
+namespace hydrapod::cli {
+
+class StudyRows {
+ public:
+  /// `csv`: file of the table; `output`: name of the output that is mapped. Empty: not wanted.
+  StudyRows(const tasks::StudyJob& job, std::string csv, const std::string& output);
+
+  [[nodiscard]] bool are_wanted() const { return output_ || !csv_.empty(); }
+  /// Rows in their order: inputs, then outputs, row by row. Throws base::ComputationError where the
+  /// table cannot be written.
+  void take(std::span<const double> rows);
+  /// The table takes its place and is announced. One that is not complete replaces no other file.
+  void close_csv(bool complete);
+  /// Of the output that is mapped; NaN where a row has none, fewer than rows after an interruption.
+  [[nodiscard]] const std::vector<double>& values() const { return values_; }
+
+ private:
+  void open_csv();
+  void write(std::string_view text);
+  [[noreturn]] void fail() const;
+  struct Close {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+
+  std::string csv_, titles_{};
+  std::size_t width_;
+  std::optional<std::size_t> output_{};  ///< its column
+  std::vector<double> values_{};
+  std::optional<base::PartFile> part_{};
+  std::unique_ptr<std::FILE, Close> file_{};
+};
+
+}  // namespace hydrapod::cli

@@ -1,0 +1,233 @@
+/// Files of `hydrapod montecarlo`, `sweep` and `map`: rows of other runs and of other studies, and
+/// the machine that a study file names.
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "support/run_program.hpp"
+
+namespace hydrapod {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+const std::string machine = test::source_file("models/zhang-jiang-2021-transverse.toml").string();
+
+struct StudyFiles : testing::Test {
+  test::TemporaryFolder folder{};
+  [[nodiscard]] test::RunResult run(const std::vector<std::string>& words) const {
+    return test::run_hydrapod(words, {.folder = folder.path()});
+  }
+  [[nodiscard]] test::RunResult masses(const std::string& range,
+                                       const std::vector<std::string>& more) const {
+    std::vector<std::string> words{"montecarlo", machine, "--vary", "platform.mass=" + range};
+    words.insert(words.end(), more.begin(), more.end());
+    return run(words);
+  }
+};
+
+/// Parts of one study are no result of another, whose columns would name them.
+TEST_F(StudyFiles, PartsOfAnotherStudyAreNotJoined) {
+  const std::vector<std::string> part{"--samples", "200", "--results", "run.h5", "--shard"};
+  for (const char* shard : {"1/2", "2/2"}) {
+    auto words = part;
+    words.emplace_back(shard);
+    ASSERT_EQ(masses("uniform 800 .. 801 kg", words).exit_code, 0);
+  }
+  auto join = part;
+  join.insert(join.end(), {"2", "--join"});
+  const auto other = masses("uniform 900 .. 901 kg", join);
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_EQ(other.out, "");
+  EXPECT_THAT(other.err, HasSubstr("run.h5.rows1of2: error: is of another study"));
+  EXPECT_FALSE(fs::exists(folder / "run.h5"));
+  EXPECT_EQ(masses("uniform 800 .. 801 kg", join).exit_code, 0);
+}
+
+/// --resume and --join do not replace what is of another study.
+TEST_F(StudyFiles, ResultsOfAnotherStudyStay) {
+  const std::vector<std::string> whole{"--samples", "100", "--results", "run.h5"};
+  ASSERT_EQ(masses("uniform 800 .. 801 kg", whole).exit_code, 0);
+  const auto before = test::read_text(folder / "run.h5");
+  auto resumed = whole;
+  resumed.emplace_back("--resume");
+  const auto other = masses("uniform 900 .. 901 kg", resumed);
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_THAT(other.err, HasSubstr("run.h5: error: is a file of something else than this study"));
+  EXPECT_EQ(test::read_text(folder / "run.h5"), before);
+  EXPECT_EQ(masses("uniform 800 .. 801 kg", resumed).exit_code, 0);
+  EXPECT_EQ(test::read_text(folder / "run.h5"), before);
+
+  auto part = whole;
+  part.insert(part.end(), {"--shard", "1/1"});
+  ASSERT_EQ(masses("uniform 900 .. 901 kg", whole).exit_code, 2);
+  auto join = whole;
+  join.insert(join.end(), {"--shard", "1", "--join"});
+  EXPECT_EQ(masses("uniform 900 .. 901 kg", join).exit_code, 2);
+  EXPECT_EQ(test::read_text(folder / "run.h5"), before);
+  resumed.emplace_back("--force");
+  EXPECT_EQ(masses("uniform 900 .. 901 kg", resumed).exit_code, 0);
+  EXPECT_NE(test::read_text(folder / "run.h5"), before);
+}
+
+/// Hours of work: a run that was killed leaves rows, and the same command without --resume would
+/// begin with an empty file.
+TEST_F(StudyFiles, RowsOfAnInterruptedRunAreReplacedByForceAlone) {
+  const std::vector<std::string> words{"--samples", "200", "--results", "run.h5", "--shard", "1/2"};
+  ASSERT_EQ(masses("uniform 800 .. 801 kg", words).exit_code, 0);
+  fs::rename(folder / "run.h5.rows1of2", folder / "whole.h5.rows");
+  const auto rows = test::read_text(folder / "whole.h5.rows");
+  const auto again = masses("uniform 800 .. 801 kg", {"--samples", "200", "--results", "whole.h5"});
+  EXPECT_EQ(again.exit_code, 2);
+  EXPECT_THAT(again.err, HasSubstr("whole.h5.rows: error: holds rows of an interrupted study or of "
+                                   "a part; --resume goes on with them, --force begins anew"));
+  EXPECT_EQ(test::read_text(folder / "whole.h5.rows"), rows);
+  const auto forced =
+      masses("uniform 800 .. 801 kg", {"--samples", "200", "--results", "whole.h5", "--force"});
+  EXPECT_EQ(forced.exit_code, 0) << forced.err;
+  EXPECT_FALSE(fs::exists(folder / "whole.h5.rows"));
+}
+
+TEST_F(StudyFiles, NoOtherFileBecomesRows) {
+  const std::vector<std::string> words{"--samples", "100", "--force"};
+  test::write_text(folder / "notes", "precious\n");
+  fs::create_symlink("notes", folder / "study.h5.rows");
+  const auto link = masses("uniform 800 .. 801 kg", words);
+  EXPECT_EQ(link.exit_code, 2);
+  EXPECT_THAT(link.err, HasSubstr("study.h5.rows: error: is a link and was left as it is"));
+  fs::remove(folder / "study.h5.rows");
+  fs::rename(folder / "notes", folder / "study.h5.rows");
+  for (const char* more : {"--force", "--resume"}) {
+    const auto text = masses("uniform 800 .. 801 kg", {"--samples", "100", more});
+    EXPECT_EQ(text.exit_code, 2);
+    EXPECT_THAT(text.err, HasSubstr("study.h5.rows: error: is no file of a study's rows"));
+    EXPECT_EQ(test::read_text(folder / "study.h5.rows"), "precious\n");
+  }
+}
+
+/// The second of two runs of one name does not write into the rows of the first.
+TEST_F(StudyFiles, RowsHaveOneWriter) {
+  const auto rows = (folder / "study.h5.rows").string();
+  const int first = ::open(rows.c_str(), O_RDWR | O_CREAT, 0600);
+  ASSERT_EQ(::flock(first, LOCK_EX), 0);
+  for (const char* more : {"--force", "--resume"}) {
+    const auto second = masses("uniform 800 .. 801 kg", {"--samples", "100", more});
+    EXPECT_EQ(second.exit_code, 2);
+    EXPECT_THAT(second.err, HasSubstr("study.h5.rows: error: another run is writing it"));
+  }
+  ::close(first);
+  EXPECT_EQ(masses("uniform 800 .. 801 kg", {"--samples", "100"}).exit_code, 0);
+}
+
+/// A study file names its machine, which is an input like the study file.
+TEST_F(StudyFiles, TheMachineOfAStudyFileIsAnInput) {
+  fs::copy_file(machine, folder / "m.toml");
+  fs::create_hard_link(folder / "m.toml", folder / "other.h5");
+  fs::create_symlink("m.toml", folder / "table.csv");
+  test::write_text(folder / "study.toml",
+                   "machine = \"m.toml\"\nsamples = 64\nwant = [\"x >= 7 Hz\"]\n[vary]\n"
+                   "\"platform.mass\" = \"uniform 800 .. 900 kg\"\n");
+  const auto before = test::read_text(folder / "m.toml");
+  const std::vector<std::vector<std::string>> outputs{
+      {"--worst", "./m.toml"}, {"--results", "other.h5"}, {"--csv", "table.csv"}};
+  for (const auto& output : outputs) {
+    const auto refused = run({"montecarlo", "study.toml", output[0], output[1], "--force"});
+    EXPECT_EQ(refused.exit_code, 2) << output[0];
+    EXPECT_THAT(refused.err, HasSubstr(output[1] + ": error: the file is the input"));
+    EXPECT_EQ(test::read_text(folder / "m.toml"), before);
+  }
+  const auto ending = run({"montecarlo", "study.toml", "--csv", "rows.toml"});
+  EXPECT_EQ(ending.exit_code, 2);
+  EXPECT_THAT(ending.err, HasSubstr("does not fit the content"));
+  // a result says which machine it is of
+  ASSERT_EQ(run({"montecarlo", "study.toml", "-o", "summary.json"}).exit_code, 0);
+  EXPECT_THAT(test::read_text(folder / "summary.json"), HasSubstr("m.toml"));
+}
+
+/// Whatever its name is and however its TOML is laid out.
+TEST_F(StudyFiles, AStudyFileIsKnownByItsKeys) {
+  fs::copy_file(machine, folder / "m.toml");
+  const std::string vary = "\"platform.mass\" = \"uniform 800 .. 900 kg\"";
+  const std::vector<std::string> texts{"machine = \"m.toml\"\n  [vary]\n" + vary,
+                                       "machine = \"m.toml\"\nvary = {" + vary + "}\n",
+                                       "machine = \"m.toml\"\nvary." + vary + "\n"};
+  for (const auto& text : texts) {
+    test::write_text(folder / "study.txt", text);
+    const auto study = run({"montecarlo", "study.txt", "--samples", "64"});
+    EXPECT_EQ(study.exit_code, 0) << text << study.err;
+  }
+  const auto sweep = run({"sweep", "study.txt", "--over", "platform.mass=800:900:3 kg"});
+  EXPECT_EQ(sweep.exit_code, 2);
+  EXPECT_THAT(sweep.err, HasSubstr("study.txt: error: is a study file"));
+}
+
+/// Numbers of rows beyond 64 bits are no small numbers.
+TEST_F(StudyFiles, NumbersOfRowsDoNotWrapAround) {
+  for (const char* samples :
+       {"6148914691236517206", "9223372036854775808", "18446744073709551615"}) {
+    const auto huge =
+        masses("uniform 800 .. 801 kg", {"--samples", samples, "--indices", "--results", "h.h5"});
+    EXPECT_EQ(huge.exit_code, 1) << samples;
+    EXPECT_THAT(huge.err, HasSubstr("GB left")) << samples;
+  }
+  std::vector<std::string> words{"sweep", machine, "--results", "h.h5"};
+  for (const char* over :
+       {"platform.mass=800:900:65536", "environment.gravity=0:10:65536",
+        "legs.guide_sleeve.stiffness=1:2:65536 kN/mm", "legs.oil_spring.stiffness=1:2:65536 kN/mm"})
+    words.insert(words.end(), {"--over", over});
+  const auto grid = run(words);
+  EXPECT_NE(grid.exit_code, 0);
+  EXPECT_THAT(grid.err, HasSubstr("GB left"));
+  EXPECT_FALSE(fs::exists(folder / "h.h5"));
+}
+
+TEST_F(StudyFiles, ADistributionHasNoGrid) {
+  const auto grid = masses("uniform 800 .. 801 kg", {"--design", "grid"});
+  EXPECT_EQ(grid.exit_code, 2);
+  EXPECT_THAT(grid.err, HasSubstr("platform.mass: error: a grid needs a range or a list"));
+}
+
+/// The table is read from the rows: it has the digits of the results, and as many rows as they.
+TEST_F(StudyFiles, TheTableHasTheRowsThatWereComputed) {
+  ASSERT_EQ(
+      masses("uniform 800 .. 900 kg", {"--samples", "130", "--csv", "a.csv", "--threads", "1"})
+          .exit_code,
+      0);
+  const auto table = test::read_text(folder / "a.csv");
+  EXPECT_EQ(std::ranges::count(table, '\n'), 131);
+  EXPECT_FALSE(fs::exists(folder / "a.csv.part"));
+  const auto printed = masses("uniform 800 .. 900 kg", {"--samples", "130", "--csv", "-", "-o",
+                                                        "summary.txt", "--threads", "1"});
+  EXPECT_EQ(printed.out, table);
+}
+
+/// What was interrupted is no success. The table has the rows that were computed, and is no table
+/// of all: it does not take the place of one.
+TEST_F(StudyFiles, AnInterruptedStudyIsNoSuccess) {
+  test::write_text(folder / "table.csv", "m,lowest [Hz],x [Hz]\n1,2,3\n");
+  const auto interrupted = test::run_program(
+      "timeout",
+      {"--preserve-status", "-s", "INT", "0.7", test::hydrapod_program().string(), "montecarlo",
+       machine, "--vary", "platform.mass=uniform 800 .. 900 kg", "--samples", "1000000",
+       "--threads", "1", "--csv", "table.csv", "-o", "summary.json"},
+      {.folder = folder.path()});
+  EXPECT_EQ(interrupted.exit_code, 1);
+  EXPECT_THAT(interrupted.err, HasSubstr("error: interrupted after"));
+  EXPECT_EQ(test::read_text(folder / "table.csv"), "m,lowest [Hz],x [Hz]\n1,2,3\n");
+  const auto rows = std::ranges::count(test::read_text(folder / "table.csv.part"), '\n') - 1;
+  EXPECT_GT(rows, 0);
+  EXPECT_LT(rows, 1000000);
+  EXPECT_THAT(test::read_text(folder / "summary.json"),
+              HasSubstr(fmt::format("\"rows\": {}", rows)));
+}
+
+}  // namespace
+}  // namespace hydrapod
