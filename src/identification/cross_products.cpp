@@ -13,14 +13,17 @@ namespace {
 using numerics::EightLines;
 
 /// A square of four pairs: `z` are the lines of the first block, `apart` numbers per block.
+/// `next`: numbers on are lines that are needed soon.
 void add_square(const EightLines* z, Index blocks, Index apart, Index i, Index j, double factor,
-                EightLines* sums) {
+                Index next, EightLines* sums) {
   for (int from = 0; from < 8; from += together) {
     std::array<ComplexLines, 4> sum;
     for (std::size_t s = 0; s < 4; ++s)
       sum[s].load(sums[s].re.data() + from, sums[s].im.data() + from);
     const EightLines* block = z;
     for (Index b = 0; b < blocks; ++b, block += apart) {
+      __builtin_prefetch(block[next].re.data());
+      __builtin_prefetch(block[next].im.data());
       ComplexLines a0, a1, c0, c1;
       a0.load(block[i].re.data() + from, block[i].im.data() + from);
       a1.load(block[i + 1].re.data() + from, block[i + 1].im.data() + from);
@@ -52,9 +55,11 @@ CrossProducts::CrossProducts(Index channels, Index groups) : channels_(channels)
 void CrossProducts::add(Index group, const EightLines* lines, Index blocks, Index apart,
                         double factor) {
   EightLines* sums = sums_.data() + group * squares_ * 4;
+  // the lines of the next group stand behind those of this one; blocks are far from each other
+  Index next = width();
   for (Index i = 0; i < width(); i += 2)
-    for (Index j = 0; j <= i; j += 2, sums += 4)
-      add_square(lines, blocks, apart, i, j, factor, sums);
+    for (Index j = 0; j <= i; j += 2, sums += 4, next = std::min(next + 1, 2 * width() - 1))
+      add_square(lines, blocks, apart, i, j, factor, next, sums);
 }
 
 void CrossProducts::unpack(const VectorXd& scale, MatrixXd& re, MatrixXd& im) const {

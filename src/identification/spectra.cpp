@@ -39,6 +39,7 @@ void check(const SpectrumOptions& options) {
 
 constexpr int four = 4;  // channels stand side by side
 using FourChannels = Eigen::Matrix<double, Eigen::Dynamic, four, Eigen::RowMajor>;
+using MeansOfBlocks = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 /// Mean per channel. Four sums take turns: additions need not wait for each other.
 Eigen::RowVectorXd row_mean(const FourChannels& samples, Index first, Index rows) {
@@ -59,21 +60,37 @@ Eigen::RowVectorXd row_mean(const FourChannels& samples, Index first, Index rows
   return mean;
 }
 
-/// Least and largest per channel; not finite where a sample is not.
+/// Least and largest per channel; not finite where a sample is not. Several rows take turns, as in
+/// the mean.
 struct Extremes {
   std::array<double, four> low, high;
   Extremes(const FourChannels& samples, Index first, Index rows) {
+    using Four = Eigen::Array<double, four, 1>;
+    constexpr std::size_t turns = 4;
     const double* x = samples.data() + four * first;
-    std::array<double, four> nothing{};
-    std::copy_n(x, four, low.begin());
-    high = low;
-    for (Index t = 0; t < rows; ++t, x += four)
-      for (std::size_t c = 0; c < four; ++c) {
-        low[c] = x[c] < low[c] ? x[c] : low[c];
-        high[c] = x[c] > high[c] ? x[c] : high[c];
-        nothing[c] += 0.0 * x[c];
-      }
-    for (std::size_t c = 0; c < four; ++c) high[c] += nothing[c];
+    const Four begin = Four::Map(x);
+    std::array<Four, turns> least, most, nothing;
+    least.fill(begin);
+    most.fill(begin);
+    nothing.fill(0.0 * begin);
+    const auto take = [&](std::size_t k) {
+      const Four row = Four::Map(x);
+      least[k] = (row < least[k]).select(row, least[k]);
+      most[k] = (row > most[k]).select(row, most[k]);
+      nothing[k] += 0.0 * row;
+      x += four;
+    };
+    Index t = 0;
+    for (; t + static_cast<Index>(turns) <= rows; t += turns)
+      for (std::size_t k = 0; k < turns; ++k) take(k);
+    for (; t < rows; ++t) take(0);
+    for (std::size_t k = 1; k < turns; ++k) {
+      least[0] = (least[k] < least[0]).select(least[k], least[0]);
+      most[0] = (most[k] > most[0]).select(most[k], most[0]);
+      nothing[0] += nothing[k];
+    }
+    Four::Map(low.data()) = least[0];
+    Four::Map(high.data()) = most[0] + nothing[0];
   }
 };
 
@@ -139,17 +156,17 @@ struct SpectrumEstimator::Implementation {
   Index rows{}, filled{};              // of it
   std::int64_t to_skip{};
   std::vector<numerics::EightLines> lines{};       // blocks × groups × channels
-  MatrixXd means{};                                // blocks × channels
+  MeansOfBlocks means{};                           // blocks × channels
   MatrixXd squares{};                              // sums over blocks, samples × inputs
   std::vector<numerics::EightLines> period_sum{};  // of the record that is running
   std::int64_t periods{};
   std::int64_t degrees{};  // Σ (periods − 1) over records
 
   [[nodiscard]] Index kept_groups() const { return (kept_lines + 7) / 8; }
-  void copy(const Eigen::Ref<const data::Samples>& samples);
-  void watch(Index first_row, Index count);
-  bool transform(Index first_row, numerics::RealFft& fft, numerics::EightLines* to,
-                 Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>> mean_of) const;
+  void take(std::size_t strip, const Eigen::Ref<const data::Samples>& samples);
+  void copy(std::size_t strip, const Eigen::Ref<const data::Samples>& samples, Index to_row);
+  void watch(std::size_t strip, Index first_row, Index count);
+  void transform(Index first, Index count, numerics::RealFft& fft, std::vector<char>& whole);
   std::vector<char> transform_all(Index blocks, int threads);
   void add_products(Index first_block, Index blocks, int threads);
   void add_squares(Index block);
@@ -202,37 +219,44 @@ SpectrumEstimator::~SpectrumEstimator() = default;
 SpectrumEstimator::SpectrumEstimator(SpectrumEstimator&&) noexcept = default;
 SpectrumEstimator& SpectrumEstimator::operator=(SpectrumEstimator&&) noexcept = default;
 
-/// The lines of the block that begins at a row, and its means; false where a sample is missing.
-bool SpectrumEstimator::Implementation::transform(
-    Index first_row, numerics::RealFft& fft, numerics::EightLines* to,
-    Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>> mean_of) const {
+/// The lines of some blocks and their means, all strips of neighbours together; `whole` becomes
+/// false where a sample is missing.
+void SpectrumEstimator::Implementation::transform(Index first, Index count, numerics::RealFft& fft,
+                                                  std::vector<char>& whole) {
   const int n = options.block_length;
+  const Index stride = fft.line_groups() * products.width();
+  std::vector<numerics::Strip> strips;
   for (std::size_t g = 0; g < buffer.size(); ++g) {
-    const Index first = four * static_cast<Index>(g),
-                count = std::min<Index>(four, products.width() - first);
-    const Eigen::RowVectorXd mean = row_mean(buffer[g], first_row, n);
-    if (!mean.allFinite()) return false;
-    fft.forward(buffer[g].block(first_row, 0, n, count), mean.head(count), header.window,
-                to + first, products.width());
-    mean_of.segment(first, count) = mean.head(count);
+    strips.clear();
+    const Index channel = four * static_cast<Index>(g),
+                channels = std::min<Index>(four, products.width() - channel);
+    for (Index b = first; b < first + count; ++b) {
+      auto mean = means.row(b).segment(channel, four);
+      if (whole[static_cast<std::size_t>(b)]) mean = row_mean(buffer[g], b * hop, n);
+      if (!mean.allFinite()) whole[static_cast<std::size_t>(b)] = 0;
+      if (whole[static_cast<std::size_t>(b)])
+        strips.push_back({buffer[g].data() + four * b * hop, four, mean.data(),
+                          static_cast<int>(channels), lines.data() + b * stride + channel});
+    }
+    fft.forward(strips, header.window, products.width());
   }
-  return true;
 }
 
 /// Which of the blocks in the buffer are whole. Every block is transformed by one thread.
 std::vector<char> SpectrumEstimator::Implementation::transform_all(Index blocks, int threads) {
-  std::vector<char> whole(static_cast<std::size_t>(blocks));
-  const Index stride = ffts[0].line_groups() * products.width();
-  lines.resize(static_cast<std::size_t>(blocks * stride));
-  means.resize(blocks, products.width());
+  constexpr Index neighbours = 2;
+  std::vector<char> whole(static_cast<std::size_t>(blocks), 1);
+  lines.resize(static_cast<std::size_t>(blocks * ffts[0].line_groups() * products.width()));
+  means.setZero(blocks, four * std::ssize(buffer));
+  const auto tasks = static_cast<std::size_t>((blocks + neighbours - 1) / neighbours);
   const std::size_t workers = std::min(
-      whole.size(), static_cast<std::size_t>(threads > 0 ? threads : numerics::processor_count()));
+      tasks, static_cast<std::size_t>(threads > 0 ? threads : numerics::processor_count()));
   while (ffts.size() < workers) ffts.emplace_back(options.block_length);
   numerics::parallel_for(workers, threads, [&](std::size_t worker) {
-    for (std::size_t b = worker; b < whole.size(); b += workers)
-      whole[b] = transform(static_cast<Index>(b) * hop, ffts[worker],
-                           lines.data() + static_cast<Index>(b) * stride,
-                           means.row(static_cast<Index>(b)));
+    for (std::size_t task = worker; task < tasks; task += workers) {
+      const Index first = neighbours * static_cast<Index>(task);
+      transform(first, std::min(neighbours, blocks - first), ffts[worker], whole);
+    }
   });
   return whole;
 }
@@ -316,25 +340,40 @@ void SpectrumEstimator::begin_record(std::int64_t settling) {
   implementation_->to_skip = settling;
 }
 
-/// To the end of the buffer.
-void SpectrumEstimator::Implementation::copy(const Eigen::Ref<const data::Samples>& samples) {
-  for (std::size_t g = 0; g < buffer.size(); ++g) {
-    const std::size_t first = four * g, count = std::min<std::size_t>(four, chosen.size() - first);
-    std::array<std::size_t, four> columns{};
-    std::copy_n(chosen.begin() + static_cast<std::ptrdiff_t>(first), count, columns.begin());
-    const double* from = samples.data();
-    double* to = buffer[g].data() + four * filled;
-    for (Index t = 0; t < samples.rows(); ++t, to += four, from += samples.outerStride())
+void SpectrumEstimator::Implementation::copy(std::size_t strip,
+                                             const Eigen::Ref<const data::Samples>& samples,
+                                             Index to_row) {
+  const std::size_t first = four * strip,
+                    count = std::min<std::size_t>(four, chosen.size() - first);
+  std::array<std::size_t, four> columns{};
+  std::copy_n(chosen.begin() + static_cast<std::ptrdiff_t>(first), count, columns.begin());
+  bool neighbours = count == four;
+  for (std::size_t c = 1; c < four; ++c)
+    neighbours = neighbours && columns[c] == columns[c - 1] + 1;
+  const double* from = samples.data();
+  double* to = buffer[strip].data() + four * to_row;
+  for (Index t = 0; t < samples.rows(); ++t, to += four, from += samples.outerStride())
+    if (neighbours)
+      std::copy_n(from + columns[0], four, to);
+    else
       for (std::size_t c = 0; c < count; ++c) to[c] = from[columns[c]];
-  }
 }
 
-void SpectrumEstimator::Implementation::watch(Index first_row, Index count) {
-  for (std::size_t g = 0; g < buffer.size(); ++g) {
-    const Extremes extremes(buffer[g], first_row, count);
-    for (std::size_t c = 0; c < four && four * g + c < watches.size(); ++c)
-      watches[four * g + c].add(buffer[g].col(static_cast<Index>(c)).segment(first_row, count),
-                                extremes.low[c], extremes.high[c]);
+void SpectrumEstimator::Implementation::watch(std::size_t strip, Index first_row, Index count) {
+  const Extremes extremes(buffer[strip], first_row, count);
+  for (std::size_t c = 0; c < four && four * strip + c < watches.size(); ++c)
+    watches[four * strip + c].add(
+        buffer[strip].col(static_cast<Index>(c)).segment(first_row, count), extremes.low[c],
+        extremes.high[c]);
+}
+
+/// To the end of the buffer.
+void SpectrumEstimator::Implementation::take(std::size_t strip,
+                                             const Eigen::Ref<const data::Samples>& samples) {
+  for (Index row = 0; row < samples.rows(); row += few_rows) {
+    const Index count = std::min(few_rows, samples.rows() - row);
+    copy(strip, samples.middleRows(row, count), filled + row);
+    watch(strip, filled + row, count);
   }
 }
 
@@ -343,10 +382,16 @@ void SpectrumEstimator::add(const Eigen::Ref<const data::Samples>& samples) {
   Index row = std::min<Index>(samples.rows(), me.to_skip);
   me.to_skip -= row;
   while (row < samples.rows()) {
-    const Index count = std::min({samples.rows() - row, me.rows - me.filled, few_rows});
-    me.copy(samples.middleRows(row, count));
-    me.watch(me.filled, count);
-    me.filled += count;
+    const Index count = std::min(samples.rows() - row, me.rows - me.filled);
+    const int threads = count * me.products.width() < worth_threads ? 1 : me.options.threads;
+    // the strips of a few rows come from the cache where one thread takes them all
+    const Index together = threads == 1 ? few_rows : count;
+    for (Index first = 0; first < count; first += together) {
+      const auto some = samples.middleRows(row + first, std::min(together, count - first));
+      numerics::parallel_for(me.buffer.size(), threads,
+                             [&](std::size_t strip) { me.take(strip, some); });
+      me.filled += some.rows();
+    }
     row += count;
     if (me.filled == me.rows) me.take_blocks();
   }

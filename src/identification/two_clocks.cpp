@@ -69,14 +69,15 @@ class PartsOfRecords {
     record_ = record;
     filled_ = in_part_ = 0;
   }
-  void add(const Eigen::Ref<const data::Samples>& samples) {
-    if (buffer_.size() == 0) buffer_.resize(plan_.block, samples.cols());
-    for (Index at = 0; at < samples.rows();) {
-      const Index count = std::min(buffer_.rows() - filled_, samples.rows() - at);
-      buffer_.middleRows(filled_, count) = samples.middleRows(at, count);
-      at += count;
-      filled_ += count;
-      if (filled_ < buffer_.rows()) return;
+  /// Rows from `first` on, of the columns `used`.
+  void add(const Eigen::Ref<const data::Samples>& samples, Index first,
+           const std::vector<Index>& used) {
+    if (buffer_.size() == 0) buffer_.resize(plan_.block, std::ssize(used));
+    for (Index at = first; at < samples.rows(); ++at) {
+      const double* from = samples.data() + at * samples.outerStride();
+      double* to = buffer_.data() + filled_ * buffer_.cols();
+      for (const Index column : used) *to++ = from[column];
+      if (++filled_ < buffer_.rows()) continue;
       filled_ = 0;
       take_block();
     }
@@ -92,15 +93,10 @@ class PartsOfRecords {
       S_yu_.setZero(q * p, lines);
       S_uu_.setZero(p, lines);
     }
-    if (buffer_.allFinite()) {
-      transform();
-      VectorXcd x(buffer_.cols());
-      for (Index k = 0; k < lines; ++k) {
-        line(plan_.lines[static_cast<std::size_t>(k)], x);
-        const VectorXcd u = x(choice_.inputs), y = x(choice_.outputs);
-        S_uu_.col(k) += u.cwiseAbs2();
-        Eigen::Map<MatrixXcd>(S_yu_.col(k).data(), p, q).noalias() += u.conjugate() * y.transpose();
-      }
+    const Eigen::RowVectorXd mean = buffer_.colwise().mean();
+    if (mean.allFinite()) {
+      transform(mean);
+      for (Index k = 0; k < lines; ++k) add_products(k);
     }
     if (++in_part_ < plan_.together) return;
     in_part_ = 0;
@@ -109,16 +105,26 @@ class PartsOfRecords {
     parts_[record_].C.push_back(S_yu_);
   }
 
-  void transform() {
+  void transform(const Eigen::RowVectorXd& mean) {
     spectrum_.resize(static_cast<std::size_t>(fft_.line_groups() * buffer_.cols()));
-    fft_.forward(buffer_, buffer_.colwise().mean(), window_, spectrum_.data(), buffer_.cols());
+    fft_.forward(buffer_, mean, window_, spectrum_.data(), buffer_.cols());
   }
-  void line(Index k, VectorXcd& channels) const {
-    const auto lane = static_cast<std::size_t>(k % 8);
-    for (Index c = 0; c < channels.size(); ++c) {
-      const auto& eight = spectrum_[static_cast<std::size_t>(k / 8 * channels.size() + c)];
-      channels[c] = {eight.re[lane], eight.im[lane]};
+  /// Of the line with that number in the plan.
+  void add_products(Index number) {
+    const Index line = plan_.lines[static_cast<std::size_t>(number)];
+    const auto lane = static_cast<std::size_t>(line % 8);
+    const auto* all = spectrum_.data() + line / 8 * buffer_.cols();
+    Complex* yu = S_yu_.col(number).data();
+    double* uu = S_uu_.col(number).data();
+    for (const int o : choice_.outputs) {
+      const double re = all[o].re[lane], im = all[o].im[lane];
+      for (const int i : choice_.inputs) {
+        const double u_re = all[i].re[lane], u_im = all[i].im[lane];
+        *yu++ += Complex(u_re * re + u_im * im, u_re * im - u_im * re);
+      }
     }
+    for (const int i : choice_.inputs)
+      *uu++ += all[i].re[lane] * all[i].re[lane] + all[i].im[lane] * all[i].im[lane];
   }
 
   PartPlan plan_;
@@ -155,15 +161,17 @@ class ClockLikelihood {
   /// points as there are parts, and linear between these.
   [[nodiscard]] VectorXd at_steps(double step, Index steps) const {
     VectorXd total = VectorXd::Zero(2 * steps + 1);
-    Eigen::ArrayXXd rho(total.size(), power_.rows());
+    Rows rho(total.size(), power_.rows());
+    std::vector<numerics::SeriesFft> transforms;
+    for (const auto& record : records_)
+      transforms.emplace_back(static_cast<int>(finer * std::bit_ceil(record.C.size())));
     for (std::size_t k = 0; k < omega_.size(); ++k) {
-      const auto column = static_cast<Index>(k);
+      const auto line = static_cast<Index>(k);
       rho.setZero();
-      for (Index e = 0; e < rho.cols(); ++e) {
-        for (const auto& record : records_)
-          add_at_steps(record, e, column, omega_[k] * step * spacing_, rho.col(e));
-        rho.col(e) /= std::max(power_(e, column), 1e-300);
-      }
+      for (std::size_t r = 0; r < records_.size(); ++r)
+        if (!records_[r].C.empty())
+          add_at_steps(records_[r], line, omega_[k] * step * spacing_, transforms[r], rho);
+      rho.rowwise() /= power_.col(line).cwiseMax(1e-300).transpose().array();
       total -= count_ * (1.0 - rho.min(1.0 - 1e-9)).rowwise().prod().log().matrix();
     }
     return total;
@@ -213,25 +221,25 @@ class ClockLikelihood {
     return (squares.row(entry) / power_.row(entry).array().max(1e-300)).sum();
   }
 
-  /// |Σ_g C_g e^(iθg)|²/G of an entry at θ = k · `turn`.
-  static void add_at_steps(const Parts& record, Index entry, Index line, double turn,
-                           Eigen::Ref<Eigen::ArrayXd> rho) {
-    constexpr std::size_t finer = 8;
-    if (record.C.empty()) return;
-    std::vector<Complex> padded(finer * std::bit_ceil(record.C.size()));
-    for (std::size_t g = 0; g < record.C.size(); ++g) padded[g] = record.C[g](entry, line);
-    const auto sums = numerics::inverse_complex_fft(padded);
-    const auto count = static_cast<Index>(sums.size());
-    const auto power = [&](Index t) {
-      return std::norm(sums[static_cast<std::size_t>((t % count + count) % count)]);
-    };
+  using Rows = Eigen::Array<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  static constexpr std::size_t finer = 8;
+
+  /// |Σ_g C_g e^(iθg)|²/G of all entries at θ = k · `turn`, a row each.
+  static void add_at_steps(const Parts& record, Index line, double turn,
+                           numerics::SeriesFft& transform, Rows& rho) {
+    MatrixXcd series(std::ssize(record.C), rho.cols());  // of C*, whose sums turn the other way
+    for (Index g = 0; g < series.rows(); ++g)
+      series.row(g) = record.C[static_cast<std::size_t>(g)].col(line).adjoint();
+    const auto powers = transform.powers(series);
+    const Index count = powers.rows(), steps = rho.rows() / 2;
+    const auto power = [&](Index t) { return powers.row((t % count + count) % count).array(); };
     const double per_step = turn / two_pi * static_cast<double>(count);
-    const auto steps = rho.size() / 2;
+    const auto parts = static_cast<double>(series.rows());
     for (Index k = -steps; k <= steps; ++k) {
       const double at = per_step * static_cast<double>(k), whole = std::floor(at);
       const auto t = static_cast<Index>(whole);
-      rho[k + steps] += ((1.0 + whole - at) * power(t) + (at - whole) * power(t + 1)) /
-                        static_cast<double>(record.C.size());
+      rho.row(k + steps) +=
+          (1.0 + whole - at) / parts * power(t) + (at - whole) / parts * power(t + 1);
     }
   }
 
@@ -328,7 +336,7 @@ void ClockSearch::add(const Eigen::Ref<const data::Samples>& samples) {
   auto& me = *implementation_;
   const Index skipped = std::min(me.to_skip, samples.rows());
   me.to_skip -= skipped;
-  me.parts.add(samples(Eigen::seq(skipped, Eigen::last), me.used));
+  me.parts.add(samples, skipped, me.used);
 }
 
 std::optional<ClockDifference> ClockSearch::result() const {

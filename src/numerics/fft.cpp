@@ -44,90 +44,79 @@ void RealFft::inverse(std::span<const std::complex<double>> spectrum, std::span<
   implementation_->fft.inv(samples.data(), spectrum.data(), length());
 }
 
-namespace {
-
-/// Where the channels of a block go, from channel `first` on.
-struct Destination {
-  EightLines* lines;
-  Eigen::Index apart;
-
-  void put(Eigen::Index line, Eigen::Index channel, double re, double im) const {
-    auto& eight = lines[line / 8 * apart + channel];
-    eight.re[static_cast<std::size_t>(line % 8)] = re;
-    eight.im[static_cast<std::size_t>(line % 8)] = im;
-  }
-};
-
-/// `count` numbers, at most four; the other lanes are zero.
-inline void load(const double* from, Eigen::Index count, Lanes& to) {
-  if (count >= lane_count) {
-    std::memcpy(&to, from, sizeof to);
-    return;
-  }
-  to = Lanes{};
-  for (Eigen::Index lane = 0; lane < count; ++lane) to[lane] = from[lane];
-}
-
-void load_pairs(const Eigen::Ref<const RealFft::Block>& samples, const Eigen::RowVectorXd& mean,
-                const Eigen::VectorXd& window, Eigen::Index first, Eigen::Index count,
-                std::vector<ComplexLanes>& pairs) {
-  Lanes average, even, odd;
-  load(mean.data() + first, count, average);
-  const double* row = samples.data() + first;
-  for (std::size_t t = 0; t < pairs.size(); ++t, row += 2 * samples.outerStride()) {
-    load(row, count, even);
-    load(row + samples.outerStride(), count, odd);
-    pairs[t].re = (even - average) * window[static_cast<Eigen::Index>(2 * t)];
-    pairs[t].im = (odd - average) * window[static_cast<Eigen::Index>(2 * t + 1)];
-  }
-}
-
-/// The lines of at most four channels.
-void store_lines(const LaneFft& fft, int half, Eigen::Index count, const Destination& to) {
-  int k = 0;
-  for (; k + lane_count <= half; k += lane_count) {
-    std::array<ComplexLanes, lane_count> lanes;
-    fft.four_lines(k, lanes);
-    EightLines* eight = to.lines + k / 8 * to.apart;
-    for (Eigen::Index lane = 0; lane < count; ++lane) {
-      const auto& values = lanes[static_cast<std::size_t>(lane)];
-      std::memcpy(eight[lane].re.data() + k % 8, &values.re, sizeof values.re);
-      std::memcpy(eight[lane].im.data() + k % 8, &values.im, sizeof values.im);
-    }
-  }
-  for (; k <= half; ++k) {
-    ComplexLanes line;
-    fft.line(k, line);
-    for (int lane = 0; lane < count; ++lane) to.put(k, lane, line.re[lane], line.im[lane]);
-  }
-}
-
-}  // namespace
-
 void RealFft::forward(const Eigen::Ref<const Block>& samples, const Eigen::RowVectorXd& mean,
                       const Eigen::VectorXd& window, EightLines* lines, Eigen::Index apart) {
-  if (samples.rows() != length() || window.size() != length() || mean.size() != samples.cols())
+  if (samples.rows() != length() || mean.size() != samples.cols())
     throw std::invalid_argument("block and window must have the transform's length");
-  for (Eigen::Index c = 0; c < samples.cols(); ++c) lines[(line_groups() - 1) * apart + c] = {};
-  auto& lanes = implementation_->lanes;
+  std::vector<Strip> strips;
+  const Eigen::Index whole = samples.cols() / strip_lanes * strip_lanes,
+                     rest = samples.cols() - whole;
+  for (Eigen::Index c = 0; c < whole; c += strip_lanes)
+    strips.push_back(
+        {samples.data() + c, samples.outerStride(), mean.data() + c, strip_lanes, lines + c});
+  Block padded;  // nothing is read beyond the last sample
+  if (rest > 0) {
+    padded.setZero(samples.rows(), strip_lanes);
+    padded.leftCols(rest) = samples.rightCols(rest);
+    strips.push_back(
+        {padded.data(), strip_lanes, mean.data() + whole, static_cast<int>(rest), lines + whole});
+  }
+  forward(strips, window, apart);
+}
+
+void RealFft::forward(std::span<const Strip> strips, const Eigen::VectorXd& window,
+                      Eigen::Index apart) {
+  if (window.size() != length())
+    throw std::invalid_argument("block and window must have the transform's length");
   if (length() >= 4 && std::has_single_bit(static_cast<unsigned>(length()))) {
+    auto& lanes = implementation_->lanes;
     if (!lanes) lanes.emplace(length());
-    for (Eigen::Index c = 0; c < samples.cols(); c += lane_count) {
-      const Eigen::Index count = std::min<Eigen::Index>(lane_count, samples.cols() - c);
-      load_pairs(samples, mean, window, c, count, lanes->pairs());
-      lanes->run();
-      store_lines(*lanes, length() / 2, count, {lines + c, apart});
-    }
+    for (std::size_t s = 0; s < strips.size(); s += strips_together)
+      lanes->forward(strips.subspan(s, std::min<std::size_t>(strips_together, strips.size() - s)),
+                     window, apart);
     return;
   }
-  std::vector<std::complex<double>> spectrum(static_cast<std::size_t>(this->lines()));
-  for (Eigen::Index c = 0; c < samples.cols(); ++c) {
-    const Eigen::VectorXd column = (samples.col(c).array() - mean[c]) * window.array();
-    forward({column.data(), static_cast<std::size_t>(column.size())}, spectrum);
-    const Destination to{lines + c, apart};
-    for (std::size_t k = 0; k < spectrum.size(); ++k)
-      to.put(static_cast<Eigen::Index>(k), 0, spectrum[k].real(), spectrum[k].imag());
-  }
+  std::vector<double> column(static_cast<std::size_t>(length()));
+  std::vector<std::complex<double>> spectrum(static_cast<std::size_t>(lines()));
+  for (const Strip& strip : strips)
+    for (int c = 0; c < strip.channels; ++c) {
+      for (std::size_t t = 0; t < column.size(); ++t)
+        column[t] =
+            (strip.samples[static_cast<Eigen::Index>(t) * strip.apart + c] - strip.mean[c]) *
+            window[static_cast<Eigen::Index>(t)];
+      forward(column, spectrum);
+      strip.lines[(line_groups() - 1) * apart + c] = {};
+      for (std::size_t k = 0; k < spectrum.size(); ++k) {
+        auto& eight = strip.lines[static_cast<Eigen::Index>(k / 8) * apart + c];
+        eight.re[k % 8] = spectrum[k].real();
+        eight.im[k % 8] = spectrum[k].imag();
+      }
+    }
+}
+
+struct SeriesFft::Implementation {
+  int length;
+  LaneFft lanes{2 * length};
+};
+
+SeriesFft::SeriesFft(int length) {
+  if (length < 2 || !std::has_single_bit(static_cast<unsigned>(length)))
+    throw std::invalid_argument(
+        fmt::format("series have a power of two as their length, at least 2, not {}", length));
+  implementation_ = std::make_unique<Implementation>(Implementation{.length = length});
+}
+
+SeriesFft::~SeriesFft() = default;
+SeriesFft::SeriesFft(SeriesFft&&) noexcept = default;
+
+RealFft::Block SeriesFft::powers(const Eigen::Ref<const Eigen::MatrixXcd>& series) {
+  const int n = implementation_->length;
+  if (series.rows() > n)
+    throw std::invalid_argument(fmt::format("series of {} are longer than {}", series.rows(), n));
+  RealFft::Block result(n, series.cols());
+  for (Eigen::Index c = 0; c < series.cols(); c += lane_count)
+    implementation_->lanes.powers(series, c, result);
+  return result;
 }
 
 namespace {

@@ -90,8 +90,48 @@ TEST_P(Length, ManyChannelsAreEachTheirOwnTransform) {
   for (size_t g = 0; g < lines.size(); g += apart) EXPECT_EQ(lines[g + 7].re[0], 7.0);
 }
 
+/// Whatever else is in the registers: bit for bit.
+TEST_P(Length, AStripsLinesAreItsOwn) {
+  RealFft fft(GetParam());
+  RealFft::Block block(GetParam(), 12);
+  for (int c = 0; c < 12; ++c) {
+    const auto x = noise(GetParam(), 30 + static_cast<std::uint64_t>(c));
+    block.col(c) = Eigen::VectorXd::Map(x.data(), GetParam());
+  }
+  const Eigen::RowVectorXd mean = block.colwise().mean();
+  const Eigen::VectorXd window = Eigen::VectorXd::LinSpaced(GetParam(), 0.1, 1.0);
+  const auto size = 12 * static_cast<size_t>(fft.line_groups());
+  std::vector<EightLines> together(size), alone(size);
+  fft.forward(block, mean, window, together.data(), 12);
+  for (int c = 0; c < 12; c += 4) {
+    const Strip strip{block.data() + c, 12, mean.data() + c, 4, alone.data() + c};
+    fft.forward(std::span(&strip, 1), window, 12);
+  }
+  for (size_t k = 0; k < size; ++k) {
+    EXPECT_EQ(together[k].re, alone[k].re);
+    EXPECT_EQ(together[k].im, alone[k].im);
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Any, Length,
-                         testing::Values(2, 4, 8, 16, 32, 64, 6, 10, 14, 26, 90, 256, 512));
+                         testing::Values(2, 4, 8, 16, 32, 64, 6, 10, 14, 26, 90, 256, 512, 1024,
+                                         2048));
+
+TEST(Fft, PowersOfSeriesAreThoseOfTheSum) {
+  for (const int n : {2, 8, 32, 256, 512}) {
+    test::Random random(9);
+    Eigen::MatrixXcd series(std::max(1, n / 4 - 1), 11);  // no multiple of the lanes
+    for (auto& x : series.reshaped()) x = {random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0)};
+    const auto powers = SeriesFft(n).powers(series);
+    for (Eigen::Index c = 0; c < series.cols(); ++c) {
+      std::vector<Complex> padded(static_cast<size_t>(n));
+      Eigen::VectorXcd::Map(padded.data(), series.rows()) = series.col(c);
+      const auto lines = complex_fft(padded);
+      for (Eigen::Index k = 0; k < n; ++k)
+        EXPECT_NEAR(powers(k, c), std::norm(lines[static_cast<size_t>(k)]), 1e-13 * n);
+    }
+  }
+}
 
 TEST(Fft, ComplexIsTheSum) {
   const int n = 15;
@@ -114,6 +154,9 @@ TEST(Fft, OddAndEmptyLengthsAreRefused) {
   EXPECT_THROW(RealFft(7), std::invalid_argument);
   EXPECT_THROW(RealFft(0), std::invalid_argument);
   EXPECT_THROW(complex_fft({}), std::invalid_argument);
+  EXPECT_THROW(SeriesFft(12), std::invalid_argument);
+  EXPECT_THROW(SeriesFft(1), std::invalid_argument);
+  EXPECT_THROW((void)SeriesFft(4).powers(Eigen::MatrixXcd::Zero(5, 1)), std::invalid_argument);
 }
 
 }  // namespace

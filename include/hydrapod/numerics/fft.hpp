@@ -6,10 +6,10 @@
 /// without any factor, and back: x_t = (1/n) Σ_k X_k e^(2πi kt/n) with X_{n−k} = X_k*.
 ///
 /// KISS FFT (in Eigen) does the work, of any length. Only several channels at once with a length
-/// that is a power of two go another way: radix 4 after Stockham, four channels side by side in the
-/// processor's vector registers, which is what most of the time of spectral estimates goes into:
-/// half the time of KISS FFT (`identification_bench --benchmark_filter=transforms`). Source: P. N.
-/// Swarztrauber, Parallel Computing 1 (1984) 45.
+/// that is a power of two go another way: radix 4 after Stockham, four or eight channels side by
+/// side in the processor's vector registers, which is what most of the time of spectral estimates
+/// goes into (`identification_bench --benchmark_filter=transforms`). Source: P. N. Swarztrauber,
+/// Parallel Computing 1 (1984) 45.
 
 #include <Eigen/Core>
 #include <array>
@@ -23,6 +23,16 @@ namespace hydrapod::numerics {
 /// Eight neighbouring lines of a channel: what follows a transform takes them side by side.
 struct alignas(64) EightLines {
   std::array<double, 8> re{}, im{};
+};
+
+/// At most four channels of a block. Four numbers are read of each sample, zero or what else there
+/// is beyond the last channel.
+struct Strip {
+  const double* samples{};  ///< of all channels one after the other
+  Eigen::Index apart{};     ///< numbers from a sample to the next of the same channel
+  const double* mean{};     ///< per channel
+  int channels{};
+  EightLines* lines{};  ///< of the first channel, the others behind it
 };
 
 /// A transform of one length, with its tables and work space: one per thread.
@@ -48,6 +58,25 @@ class RealFft {
   /// The lines 8g … 8g + 7 of channel c go to lines[g · apart + c]; those beyond n/2 are zero.
   void forward(const Eigen::Ref<const Block>& samples, const Eigen::RowVectorXd& mean,
                const Eigen::VectorXd& window, EightLines* lines, Eigen::Index apart);
+  /// The same of strips, of as many blocks as are at hand: they fill the registers. Each strip's
+  /// result is its own, whatever else is transformed.
+  void forward(std::span<const Strip> strips, const Eigen::VectorXd& window, Eigen::Index apart);
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+/// Transforms of several complex series of length n, with their tables: one per thread.
+class SeriesFft {
+ public:
+  /// `length`: n, a power of two, at least 2. Throws std::invalid_argument.
+  explicit SeriesFft(int length);
+  ~SeriesFft();
+  SeriesFft(SeriesFft&&) noexcept;
+  /// |Σ_t x_t e^(−2πi kt/n)|², a row per k. `series`: a column each, of n or fewer rows, which zero
+  /// follows.
+  [[nodiscard]] RealFft::Block powers(const Eigen::Ref<const Eigen::MatrixXcd>& series);
 
  private:
   struct Implementation;
