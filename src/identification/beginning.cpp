@@ -29,8 +29,10 @@ void Beginning::read() {
     if (file > 0) return false;
     const Index first = std::clamp<std::int64_t>(settling_ - seen, 0, block.rows()),
                 count = std::min<std::int64_t>(block.rows() - first, most - taken);
-    for (auto& [channel, samples] : samples_)
-      for (Index k = first; k < first + count; ++k) samples.push_back(block(k, channel));
+    for (auto& [channel, samples] : samples_) {
+      samples.resize(static_cast<std::size_t>(taken + count));
+      VectorXd::Map(samples.data() + taken, count) = block.col(channel).segment(first, count);
+    }
     seen += block.rows();
     taken += count;
     whole_ = taken < most;
@@ -59,19 +61,24 @@ std::int64_t excitation_period(const data::RecordSet& records, const ChannelChoi
 
 namespace {
 
-/// |X|² of sections side by side, sections × lines.
+/// |X|² of sections, sections × lines, so many transformed side by side.
 MatrixXd power_of_sections(const VectorXd& x, int block) {
+  constexpr Index together = 8;
   const Index sections = x.size() / block;
   const VectorXd window = window_samples(Window::hann, block);
   numerics::RealFft fft(block);
-  std::vector<Complex> lines(static_cast<std::size_t>(fft.lines()));
   MatrixXd power(sections, fft.lines());
-  for (Index t = 0; t < sections; ++t) {
-    const VectorXd part = x.segment(t * block, block);
-    const VectorXd windowed = window.cwiseProduct(part - VectorXd::Constant(block, part.mean()));
-    fft.forward({windowed.data(), static_cast<std::size_t>(block)}, lines);
+  for (Index first = 0; first < sections; first += together) {
+    const Index count = std::min(together, sections - first);
+    const numerics::RealFft::Block some = MatrixXd::Map(x.data() + first * block, block, count);
+    std::vector<numerics::EightLines> lines(static_cast<std::size_t>(fft.line_groups() * count));
+    fft.forward(some, some.colwise().mean(), window, lines.data(), count);
     for (Index k = 0; k < power.cols(); ++k)
-      power(t, k) = std::norm(lines[static_cast<std::size_t>(k)]);
+      for (Index c = 0; c < count; ++c) {
+        const auto& eight = lines[static_cast<std::size_t>(k / 8 * count + c)];
+        const auto lane = static_cast<std::size_t>(k % 8);
+        power(first + c, k) = eight.re[lane] * eight.re[lane] + eight.im[lane] * eight.im[lane];
+      }
   }
   return power;
 }

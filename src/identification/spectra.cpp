@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <numeric>
 #include <stdexcept>
@@ -433,13 +434,28 @@ CrossSpectra SpectrumEstimator::result() {
   return result;
 }
 
+namespace {
+
+/// An even length that is quick to transform: with a large prime factor it takes long.
+Index quick_length(Index least) {
+  const auto quarter =
+      static_cast<Index>(std::bit_floor(static_cast<std::uint64_t>(std::max<Index>(8, least))) / 4);
+  for (const Index factor : {4, 5, 6})
+    if (factor * quarter >= least) return factor * quarter;
+  return 8 * quarter;
+}
+
+}  // namespace
+
 std::int64_t period_of(const VectorXd& samples, double tolerance) {
   const Index n = samples.size() / 2 * 2;
   if (n < 16) return 0;
   VectorXd x = bridged(samples.head(n));
   x.array() -= x.mean();
-  numerics::RealFft fft(static_cast<int>(2 * n));
-  std::vector<double> padded(static_cast<std::size_t>(2 * n), 0.0);
+  // no sample meets another round the end: lags up to n/3 + 1 are looked at
+  const Index length = quick_length(n + n / 3 + 1);
+  numerics::RealFft fft(static_cast<int>(length));
+  std::vector<double> padded(static_cast<std::size_t>(length), 0.0);
   VectorXd::Map(padded.data(), n) = x;
   std::vector<std::complex<double>> lines(static_cast<std::size_t>(fft.lines()));
   fft.forward(padded, lines);

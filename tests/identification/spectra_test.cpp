@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <ctime>
 #include <limits>
 #include <stdexcept>
 
@@ -397,6 +398,20 @@ TEST(Spectra, MissingSamplesHideNoPeriod) {
   EXPECT_EQ(period_of(x), 211);
   EXPECT_EQ(period_of(noise), 0);
   EXPECT_EQ(period_of(Eigen::VectorXd::Constant(500, std::nan(""))), 0);
+}
+
+/// A transform of the record's own length takes minutes where that has a large prime factor.
+TEST(Spectra, APrimeNumberOfSamplesTakesNoLonger) {
+  constexpr int twice_a_prime = 2 * 57347, even = 114688;
+  const auto seconds = [](const Eigen::VectorXd& x, std::int64_t expected) {
+    const auto begin = std::clock();
+    EXPECT_EQ(period_of(x), expected);
+    return static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+  };
+  const Eigen::VectorXd noise = noise_record(twice_a_prime, 1, 3).samples.col(0);
+  EXPECT_LT(seconds(noise, 0), 10.0 * seconds(noise.head(even), 0));
+  const Eigen::VectorXd repeated = noise.head(1000).replicate(115, 1);
+  seconds(repeated.head(twice_a_prime), 1000);
 }
 
 TEST(Spectra, OptionsThatMakeNoSenseAreRefused) {
