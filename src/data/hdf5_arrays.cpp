@@ -83,9 +83,9 @@ bool put(hid_t root, const MatVariable& v) {
 }  // namespace
 
 void write_hdf5_variables(const std::string& path, const std::vector<MatVariable>& variables) {
+  base::PartFile part(path);  // may look into an HDF5 file that stands there: before the lock
   const Hdf5Lock lock;
   const Hdf5Silence silence;
-  base::PartFile part(path);
   const auto fail = [&] { throw base::ComputationError(failed_write(part, false)); };
   const Hdf5Handle list(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
   H5Pset_obj_track_times(list.id(), false);

@@ -147,12 +147,12 @@ bool write_header(hid_t root, const RecordHeader& header, bool for_matlab) {
 /// in both, which MATLAB sees as channels × samples.
 class Hdf5Writer final : public RecordWriter {
  public:
-  Hdf5Writer(const std::string& path, const RecordHeader& header, bool for_matlab)
-      : RecordWriter(header), part_(path), header_(header), for_matlab_(for_matlab) {
+  Hdf5Writer(std::unique_ptr<base::PartFile> part, const RecordHeader& header, bool for_matlab)
+      : RecordWriter(header), part_(std::move(part)), header_(header), for_matlab_(for_matlab) {
     const Hdf5Handle list(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
     H5Pset_obj_track_times(list.id(), false);
     if (for_matlab) H5Pset_userblock(list.id(), mat73_userblock_bytes);
-    file_ = {H5Fcreate(part_.part().c_str(), H5F_ACC_TRUNC, list.id(), H5P_DEFAULT), H5Fclose};
+    file_ = {H5Fcreate(part_->part().c_str(), H5F_ACC_TRUNC, list.id(), H5P_DEFAULT), H5Fclose};
     if (!file_.ok()) fail();
     {
       const Hdf5Handle root(H5Gopen2(file_.id(), "/", H5P_DEFAULT), H5Gclose);
@@ -199,8 +199,8 @@ class Hdf5Writer final : public RecordWriter {
     if (!put_checksum()) fail();
     flush();
     if (!samples_.reset() || !file_.reset()) fail();
-    if (for_matlab_ && !write_mat73_userblock(part_.part())) fail();
-    return part_.commit(complete);
+    if (for_matlab_ && !write_mat73_userblock(part_->part())) fail();
+    return part_->commit(complete);
   }
 
   [[nodiscard]] bool put_checksum() const {
@@ -222,7 +222,7 @@ class Hdf5Writer final : public RecordWriter {
   [[noreturn]] void fail() {
     samples_.abandon();
     file_.abandon();
-    throw base::ComputationError(failed_write(part_, flushed_ > 0));
+    throw base::ComputationError(failed_write(*part_, flushed_ > 0));
   }
 
   /// Room on the disk for all that HDF5 has yet to write: what would be half an index otherwise
@@ -255,7 +255,7 @@ class Hdf5Writer final : public RecordWriter {
     const Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
     constexpr hsize_t room = 16384;  // six leaves
     H5Pset_meta_block_size(access.id(), room);
-    file_ = {H5Fopen(part_.part().c_str(), H5F_ACC_RDWR, access.id()), H5Fclose};
+    file_ = {H5Fopen(part_->part().c_str(), H5F_ACC_RDWR, access.id()), H5Fclose};
     if (!file_.ok()) fail();
   }
 
@@ -272,7 +272,7 @@ class Hdf5Writer final : public RecordWriter {
     if (!samples_.ok() || (for_matlab_ && !mat73_class(samples_.id(), "double"))) fail();
   }
 
-  base::PartFile part_;
+  std::unique_ptr<base::PartFile> part_;
   RecordHeader header_;
   bool for_matlab_;
   Hdf5Handle file_;
@@ -285,9 +285,11 @@ class Hdf5Writer final : public RecordWriter {
 
 std::unique_ptr<RecordWriter> make_hdf5_writer(const std::string& path, const RecordHeader& header,
                                                bool for_matlab) {
+  // may look into an HDF5 file that stands there: before the lock
+  auto part = std::make_unique<base::PartFile>(path);
   const Hdf5Lock lock;
   const Hdf5Silence silence;
-  return std::make_unique<Hdf5Writer>(path, header, for_matlab);
+  return std::make_unique<Hdf5Writer>(std::move(part), header, for_matlab);
 }
 
 }  // namespace hydrapod::data

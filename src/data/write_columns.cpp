@@ -93,9 +93,9 @@ class ColumnSets {
 }  // namespace
 
 void write_columns(const std::string& path, const ColumnFile& content) {
+  base::PartFile part(path);  // may look into an HDF5 file that stands there: before the lock
   const Hdf5Lock lock;
   const Hdf5Silence silence;
-  base::PartFile part(path);
   const auto fail = [&] {
     throw base::ComputationError(fmt::format("{} cannot be written (is the disk full?)", path));
   };
