@@ -213,12 +213,12 @@ TEST_F(StudyFiles, TheTableHasTheRowsThatWereComputed) {
 /// of all: it does not take the place of one.
 TEST_F(StudyFiles, AnInterruptedStudyIsNoSuccess) {
   test::write_text(folder / "table.csv", "m,lowest [Hz],x [Hz]\n1,2,3\n");
-  const auto interrupted = test::run_program(
-      "timeout",
-      {"--preserve-status", "-s", "INT", "0.7", test::hydrapod_program().string(), "montecarlo",
-       machine, "--vary", "platform.mass=uniform 800 .. 900 kg", "--samples", "1000000",
-       "--threads", "1", "--csv", "table.csv", "-o", "summary.json"},
-      {.folder = folder.path()});
+  const std::string script = fmt::format(
+      "'{}' montecarlo '{}' --vary 'platform.mass=uniform 800 .. 900 kg' --samples 1000000 "
+      "--threads 1 --csv table.csv -o summary.json & while [ ! -s study.h5.rows ]; do sleep 0.01; "
+      "done; sleep 0.2; kill -TERM $!; wait $!",
+      test::hydrapod_program().string(), machine);
+  const auto interrupted = test::run_program("bash", {"-c", script}, {.folder = folder.path()});
   EXPECT_EQ(interrupted.exit_code, 1);
   EXPECT_THAT(interrupted.err, HasSubstr("error: interrupted after"));
   EXPECT_EQ(test::read_text(folder / "table.csv"), "m,lowest [Hz],x [Hz]\n1,2,3\n");
