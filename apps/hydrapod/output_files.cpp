@@ -225,7 +225,9 @@ void check_outputs(const std::vector<NamedFile>& inputs, const std::vector<Named
     if (!force && output.existing != Existing::replaced && is_file_name(output.path) &&
         !fs::exists(output.path, ignored))
       base::expect_no_file(output.path,
-                           [](const std::string& path) { return kept_kind(path).has_value(); });
+                           [kept = output.existing == Existing::kept](const std::string& path) {
+                             return kept || kept_kind(path).has_value();
+                           });
   }
 }
 

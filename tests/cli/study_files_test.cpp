@@ -209,6 +209,25 @@ TEST_F(StudyFiles, TheTableHasTheRowsThatWereComputed) {
   EXPECT_EQ(printed.out, table);
 }
 
+/// HDF5 is locked while it writes: who looks into the file that came to be there must not wait for
+/// that lock.
+TEST_F(StudyFiles, AFileThatComesMeanwhileStays) {
+  ASSERT_EQ(masses("uniform 800 .. 801 kg", {"--samples", "64", "--results", "other.h5"}).exit_code,
+            0);
+  const auto other = test::read_text(folder / "other.h5");
+  const std::string script = fmt::format(
+      "'{}' montecarlo '{}' --vary 'platform.mass=uniform 900 .. 901 kg' --samples 40000 "
+      "--threads 1 --results run.h5 & while [ ! -e run.h5.rows ]; do sleep 0.01; done; "
+      "cp other.h5 run.h5; wait $!",
+      test::hydrapod_program().string(), machine);
+  const auto late = test::run_program("bash", {"-c", script}, {.folder = folder.path()});
+  EXPECT_NE(late.exit_code, 0);
+  EXPECT_THAT(late.err, HasSubstr("run.h5"));
+  EXPECT_THAT(late.err, HasSubstr("was left as it is"));
+  EXPECT_EQ(test::read_text(folder / "run.h5"), other);
+  EXPECT_TRUE(fs::exists(folder / "run.h5.rows")) << "the rows stay for --resume";
+}
+
 /// What was interrupted is no success. The table has the rows that were computed, and is no table
 /// of all: it does not take the place of one.
 TEST_F(StudyFiles, AnInterruptedStudyIsNoSuccess) {
