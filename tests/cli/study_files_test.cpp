@@ -19,7 +19,8 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-const std::string machine = test::source_file("models/zhang-jiang-2021-transverse.toml").string();
+const std::string small_machine =
+    test::source_file("models/zhang-jiang-2021-transverse.toml").string();
 
 struct StudyFiles : testing::Test {
   test::TemporaryFolder folder{};
@@ -28,7 +29,7 @@ struct StudyFiles : testing::Test {
   }
   [[nodiscard]] test::RunResult masses(const std::string& range,
                                        const std::vector<std::string>& more) const {
-    std::vector<std::string> words{"montecarlo", machine, "--vary", "platform.mass=" + range};
+    std::vector<std::string> words{"montecarlo", small_machine, "--vary", "platform.mass=" + range};
     words.insert(words.end(), more.begin(), more.end());
     return run(words);
   }
@@ -129,7 +130,7 @@ TEST_F(StudyFiles, RowsHaveOneWriter) {
 
 /// A study file names its machine, which is an input like the study file.
 TEST_F(StudyFiles, TheMachineOfAStudyFileIsAnInput) {
-  fs::copy_file(machine, folder / "m.toml");
+  fs::copy_file(small_machine, folder / "m.toml");
   fs::create_hard_link(folder / "m.toml", folder / "other.h5");
   fs::create_symlink("m.toml", folder / "table.csv");
   test::write_text(folder / "study.toml",
@@ -154,7 +155,7 @@ TEST_F(StudyFiles, TheMachineOfAStudyFileIsAnInput) {
 
 /// Whatever its name is and however its TOML is laid out.
 TEST_F(StudyFiles, AStudyFileIsKnownByItsKeys) {
-  fs::copy_file(machine, folder / "m.toml");
+  fs::copy_file(small_machine, folder / "m.toml");
   const std::string vary = "\"platform.mass\" = \"uniform 800 .. 900 kg\"";
   const std::vector<std::string> texts{"machine = \"m.toml\"\n  [vary]\n" + vary,
                                        "machine = \"m.toml\"\nvary = {" + vary + "}\n",
@@ -178,7 +179,7 @@ TEST_F(StudyFiles, NumbersOfRowsDoNotWrapAround) {
     EXPECT_EQ(huge.exit_code, 1) << samples;
     EXPECT_THAT(huge.err, HasSubstr("GB left")) << samples;
   }
-  std::vector<std::string> words{"sweep", machine, "--results", "h.h5"};
+  std::vector<std::string> words{"sweep", small_machine, "--results", "h.h5"};
   for (const char* over :
        {"platform.mass=800:900:65536", "environment.gravity=0:10:65536",
         "legs.guide_sleeve.stiffness=1:2:65536 kN/mm", "legs.oil_spring.stiffness=1:2:65536 kN/mm"})
@@ -219,7 +220,7 @@ TEST_F(StudyFiles, AFileThatComesMeanwhileStays) {
       "'{}' montecarlo '{}' --vary 'platform.mass=uniform 900 .. 901 kg' --samples 40000 "
       "--threads 1 --results run.h5 & while [ ! -e run.h5.rows ]; do sleep 0.01; done; "
       "cp other.h5 run.h5; wait $!",
-      test::hydrapod_program().string(), machine);
+      test::hydrapod_program().string(), small_machine);
   const auto late = test::run_program("bash", {"-c", script}, {.folder = folder.path()});
   EXPECT_NE(late.exit_code, 0);
   EXPECT_THAT(late.err, HasSubstr("run.h5"));
@@ -236,7 +237,7 @@ TEST_F(StudyFiles, AnInterruptedStudyIsNoSuccess) {
       "'{}' montecarlo '{}' --vary 'platform.mass=uniform 800 .. 900 kg' --samples 1000000 "
       "--threads 1 --csv table.csv -o summary.json & while [ ! -s study.h5.rows ]; do sleep 0.01; "
       "done; sleep 0.2; kill -TERM $!; wait $!",
-      test::hydrapod_program().string(), machine);
+      test::hydrapod_program().string(), small_machine);
   const auto interrupted = test::run_program("bash", {"-c", script}, {.folder = folder.path()});
   EXPECT_EQ(interrupted.exit_code, 1);
   EXPECT_THAT(interrupted.err, HasSubstr("error: interrupted after"));
