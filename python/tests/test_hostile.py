@@ -311,6 +311,15 @@ def stopped_at(count):
     return lambda share: calls.append(share) or len(calls) >= count
 
 
+@pytest.fixture(scope="module")
+def long_run(tmp_path_factory):
+    """Responses of it take more than the 20 ms that lie between two calls of a progress."""
+    path = str(tmp_path_factory.mktemp("long") / "run.h5")
+    machine = hydrapod.read_machine(root / "models" / "zhang-jiang-2021.toml")
+    hydrapod.rig(machine, path, excite="white all=0.2 mm", duration="180 s", seed=3)
+    return path
+
+
 @pytest.mark.parametrize("count", [1, 2])
 @pytest.mark.parametrize("task", [
     lambda m, run, stop: hydrapod.frf(run, progress=stop), lambda m, run, stop: hydrapod.identify(run, progress=stop),
@@ -318,18 +327,18 @@ def stopped_at(count):
     lambda m, run, stop: hydrapod.report(m, measured=run, points=20, progress=stop),
     lambda m, run, stop: hydrapod.root_locus(m, "controller.gain", 3.0, 17.0, 1000, progress=stop)],
     ids=["frf", "identify", "compare", "report", "root locus"])
-def test_stopped_tasks_give_no_part_as_if_it_were_the_whole(strong_run, task, count):
+def test_stopped_tasks_give_no_part_as_if_it_were_the_whole(long_run, task, count):
     """They had responses of the first blocks of a record alone, or said that the record is too short."""
     machine = hydrapod.read_machine(root / "models" / "zhang-jiang-2021.toml")
     with pytest.raises(hydrapod.ComputationError, match="interrupted"):
-        task(machine, strong_run, stopped_at(count))
+        task(machine, long_run, stopped_at(count))
 
 
-def test_a_stopped_diagnosis_says_so(strong_run):
+def test_a_stopped_diagnosis_says_so(long_run):
     machine = hydrapod.read_machine(root / "models" / "zhang-jiang-2021.toml")
     for count in (1, 4):
         with pytest.raises(hydrapod.ComputationError, match="interrupted"):
-            hydrapod.diagnose(machine, strong_run, progress=stopped_at(count))
+            hydrapod.diagnose(machine, long_run, progress=stopped_at(count))
 
 
 def test_arrays_of_results_cannot_be_written(strong_run, heavy):

@@ -186,6 +186,10 @@ void leave_out_lost_rows(data::RecordSet& records, const Measure& measure, Fault
     rest = measure(faults).measured;
   } catch (const base::ComputationError&) {  // too little is left
   }
+  if (rest && rest->interrupted) {
+    m = std::move(*rest);
+    return;
+  }
   const auto without = records.taken_as_missing();
   take_without_lost_rows(lost, std::move(rest), records, m);
   const bool taken = m.responses.warnings.back().total > 0;
