@@ -8,10 +8,10 @@ test::ModalSystem pushed_at_first(std::vector<test::ExactMode> modes, Eigen::Ind
 }
 
 void expect_within_deviations(const FittedMode& fit, const TruePole& truth, double of_omega,
-                              double of_ratio) {
-  EXPECT_NEAR(fit.omega(), truth.omega, 4.0 * fit.omega_deviation + of_omega * truth.omega);
+                              double of_ratio, double deviations) {
+  EXPECT_NEAR(fit.omega(), truth.omega, deviations * fit.omega_deviation + of_omega * truth.omega);
   EXPECT_NEAR(fit.damping_ratio(), truth.ratio,
-              4.0 * fit.damping_deviation + of_ratio * truth.ratio);
+              deviations * fit.damping_deviation + of_ratio * truth.ratio);
 }
 
 }  // namespace hydrapod::identification

@@ -17,8 +17,8 @@ struct TruePole {
       : omega(std::abs(pole)), ratio(-pole.real() / omega) {}
 };
 
-/// Within four of the deviations that are stated, and these shares of the true numbers besides.
+/// Within so many of the deviations that are stated, and these shares of the true numbers besides.
 void expect_within_deviations(const FittedMode& fit, const TruePole& truth, double of_omega = 0.0,
-                              double of_ratio = 0.0);
+                              double of_ratio = 0.0, double deviations = 4.0);
 
 }  // namespace hydrapod::identification
