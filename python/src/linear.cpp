@@ -68,10 +68,7 @@ struct ModelModes {
 
 template <class Get>
 py::array per_mode(const modal::AnalysedModel& model, Get get) {
-  using T = decltype(get(model.modes.front()));
-  std::vector<T> values;
-  for (const auto& mode : model.modes) values.push_back(get(mode));
-  return array_of(values);
+  return array_of_each(model.modes, get);
 }
 
 /// Coordinates × modes; real where all shapes are.

@@ -179,10 +179,7 @@ std::vector<std::string> names(const std::vector<data::Channel>& channels) {
 
 template <class Get>
 py::array per_mode(const Identified& result, Get get) {
-  using T = decltype(get(result.found.modes.modes.front()));
-  std::vector<T> values;
-  for (const auto& mode : result.found.modes.modes) values.push_back(get(mode));
-  return array_of(values);
+  return array_of_each(result.found.modes.modes, get);
 }
 
 /// Outputs × modes.

@@ -116,10 +116,7 @@ py::tuple plot(const Options& asked, const py::object& progress) {
 
 template <class Get>
 py::array per_channel(const Overview& overview, Get get) {
-  using T = decltype(get(overview.shown.overview.channels.front()));
-  std::vector<T> values;
-  for (const auto& channel : overview.shown.overview.channels) values.push_back(get(channel));
-  return array_of(values);
+  return array_of_each(overview.shown.overview.channels, get);
 }
 
 template <class Get>

@@ -91,6 +91,14 @@ py::array array_of(const std::vector<T>& values, std::vector<py::ssize_t> shape 
   return read_only(py::array_t<T>(std::move(shape), values.data()));
 }
 
+/// get(element) of each element of `list`.
+template <class List, class Get>
+py::array array_of_each(const List& list, Get get) {
+  std::vector<std::decay_t<decltype(get(list.front()))>> values;
+  for (const auto& element : list) values.push_back(get(element));
+  return array_of(values);
+}
+
 /// Counts calls that are at work: the end of the interpreter asks them to stop and waits for them,
 /// because a thread that comes back to an interpreter that is gone would be torn out of C++ code.
 class Call {

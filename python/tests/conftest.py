@@ -58,10 +58,20 @@ def run(tmp_path_factory):
     return path
 
 
+def record_of_published_machine(folder, duration):
+    """It shows six modes."""
+    path = str(folder / "run.h5")
+    machine = hydrapod.read_machine(root / "models" / "zhang-jiang-2021.toml")
+    hydrapod.rig(machine, path, excite="white all=0.2 mm", duration=duration, seed=3)
+    return path
+
+
 @pytest.fixture(scope="session")
 def strong_run(tmp_path_factory):
-    """A record that shows six modes of the published machine."""
-    path = str(tmp_path_factory.mktemp("strong") / "run.h5")
-    machine = hydrapod.read_machine(root / "models" / "zhang-jiang-2021.toml")
-    hydrapod.rig(machine, path, excite="white all=0.2 mm", duration="30 s", seed=3)
-    return path
+    return record_of_published_machine(tmp_path_factory.mktemp("strong"), "30 s")
+
+
+@pytest.fixture(scope="session")
+def long_run(tmp_path_factory):
+    """Responses of it take more than the 20 ms that lie between two calls of a progress."""
+    return record_of_published_machine(tmp_path_factory.mktemp("long"), "180 s")

@@ -311,15 +311,6 @@ def stopped_at(count):
     return lambda share: calls.append(share) or len(calls) >= count
 
 
-@pytest.fixture(scope="module")
-def long_run(tmp_path_factory):
-    """Responses of it take more than the 20 ms that lie between two calls of a progress."""
-    path = str(tmp_path_factory.mktemp("long") / "run.h5")
-    machine = hydrapod.read_machine(root / "models" / "zhang-jiang-2021.toml")
-    hydrapod.rig(machine, path, excite="white all=0.2 mm", duration="180 s", seed=3)
-    return path
-
-
 @pytest.mark.parametrize("count", [1, 2])
 @pytest.mark.parametrize("task", [
     lambda m, run, stop: hydrapod.frf(run, progress=stop), lambda m, run, stop: hydrapod.identify(run, progress=stop),
