@@ -27,8 +27,8 @@
 namespace hydrapod::identification {
 
 struct LostRowsOptions {
-  /// |e| of most outputs > stands_out · its deviation (by its median): with white noise of 1 % in
-  /// the outputs 50 places where 1 to 39 rows were lost had 17 to 300, sound records 6 at most.
+  /// |e| of most outputs > stands_out · its deviation (by its median). Noise does not do that, nor
+  /// do heavy tails in most outputs at once; in one output they do.
   double stands_out{12.0};
   /// … and |e| of all outputs in the p samples before ≤ quiet · its deviation: else it is more of
   /// something that began before.
