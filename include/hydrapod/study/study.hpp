@@ -213,7 +213,8 @@ class Spool {
  private:
   std::vector<std::string> paths_;
   std::vector<std::uint64_t> counts_;
-  std::uint64_t rows_{}, fingerprint_{}, width_{};
+  std::uint64_t rows_{}, fingerprint_{};
+  std::size_t width_{};
   struct Place {
     std::uint32_t file{}, record{};
   };
@@ -482,8 +483,7 @@ std::vector<Slice> design_slices(const DesignProblem& problem, const DesignPoint
 /// What a study file (TOML) says.
 struct StudyFile {
   std::string text{};
-  std::optional<std::string> machine{},
-      pose{};  ///< path of the machine, relative to the study file
+  std::optional<std::string> machine{}, pose{};  ///< `machine`: path from the study file
   std::vector<std::string> set{};
   struct Given {
     std::string key{}, text{}, place{};
