@@ -21,6 +21,11 @@ VectorXd Beginning::of(int channel) {
   return VectorXd::Map(samples.data(), static_cast<Index>(samples.size()));
 }
 
+void Beginning::release() {
+  for (auto& [channel, samples] : samples_) samples = std::vector<double>();
+  read_ = false;
+}
+
 void Beginning::read() {
   constexpr std::int64_t most = 1 << 20;
   std::int64_t seen = 0, taken = 0;

@@ -20,6 +20,8 @@ class Beginning {
   VectorXd of(int channel);
   /// Is that the whole record?
   [[nodiscard]] bool is_whole() const { return whole_; }
+  /// Gives the memory back; what is asked for later is read again.
+  void release();
 
  private:
   void read();

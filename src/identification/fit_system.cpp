@@ -127,27 +127,30 @@ FitSystem::FitSystem(const FrequencyResponses& r, const FitOptions& options)
     data_.row(k) = r.H[static_cast<size_t>(k)].reshaped<Eigen::RowMajor>().transpose();
     white_.push_back(std::move(W));
   }
-  form_weights(weight);
-  data_gradient_ = Parts(weighted(data_));
-}
-
-/// `weight`: w_o, lines × outputs.
-void FitSystem::form_weights(const MatrixXd& weight) {
   for (Index i = 0; i < inputs_; ++i) pairs_.push_back({i, i});
   for (Index i = 0; i < inputs_; ++i)
     for (Index j = i + 1; j < inputs_; ++j)
       if (!M_.col(i * inputs_ + j).isZero(0.0)) pairs_.push_back({i, j});
+  data_gradient_ = Parts(weighted(data_));
+}
+
+/// w_o M_ij of some lines: of all pairs, and of those i < j.
+Parts FitSystem::weights(Index first, Index lines) const {
   const Index count = std::ssize(pairs_), off = count - inputs_;
-  weights_re_.resize(lines_, outputs_ * count);
-  weights_im_.resize(lines_, outputs_ * off);
-  for (Index o = 0; o < outputs_; ++o) {
-    for (Index n = 0; n < count; ++n) {
-      const auto [i, j] = pairs_[static_cast<std::size_t>(n)];
-      const auto M_ij = M_.col(i * inputs_ + j);
-      weights_re_.col(o * count + n) = weight.col(o).cwiseProduct(M_ij.real());
-      if (j > i) weights_im_.col(o * off + n - inputs_) = weight.col(o).cwiseProduct(M_ij.imag());
+  Parts result;
+  result.re.resize(lines, outputs_ * count);
+  result.im.resize(lines, outputs_ * off);
+  const MatrixXd weight = deviation_.middleRows(first, lines).cwiseAbs2().cwiseInverse();
+  for (Index n = 0; n < count; ++n) {
+    const auto [i, j] = pairs_[static_cast<std::size_t>(n)];
+    const auto M_ij = M_.col(i * inputs_ + j).segment(first, lines);
+    const VectorXd re = M_ij.real(), im = M_ij.imag();
+    for (Index o = 0; o < outputs_; ++o) {
+      result.re.col(o * count + n) = weight.col(o).cwiseProduct(re);
+      if (j > i) result.im.col(o * off + n - inputs_) = weight.col(o).cwiseProduct(im);
     }
   }
+  return result;
 }
 
 /// w_o M e_o for rows e_o, laid out as the residual.
@@ -168,8 +171,8 @@ void FitSystem::add_gram(FitState& state) const {
   const auto& c = state.functions;
   const Index n = c.re.cols(), p = inputs_, pairs = std::ssize(pairs_), off = pairs - p;
   MatrixXd re(chunk, n * (n + 1) / 2), im(off > 0 ? chunk : 0, re.cols());
-  MatrixXd even = MatrixXd::Zero(re.cols(), weights_re_.cols()),
-           odd = MatrixXd::Zero(im.cols(), weights_im_.cols());
+  MatrixXd even = MatrixXd::Zero(re.cols(), outputs_ * pairs),
+           odd = MatrixXd::Zero(im.cols(), outputs_ * off);
   for (Index first = 0; first < lines_; first += chunk) {
     const Index count = std::min(chunk, lines_ - first);
     for (Index b = 0, at = 0; b < n; ++b)
@@ -181,9 +184,9 @@ void FitSystem::add_gram(FitState& state) const {
         if (off > 0)
           im.col(at).head(count) = some(c.re, a) * some(c.im, b) - some(c.im, a) * some(c.re, b);
       }
-    numerics::add_transposed_times(re.topRows(count), weights_re_.middleRows(first, count), even);
-    if (off > 0)
-      numerics::add_transposed_times(im.topRows(count), weights_im_.middleRows(first, count), odd);
+    const Parts some_weights = weights(first, count);
+    numerics::add_transposed_times(re.topRows(count), some_weights.re, even);
+    if (off > 0) numerics::add_transposed_times(im.topRows(count), some_weights.im, odd);
   }
   state.gram.assign(static_cast<size_t>(outputs_), MatrixXd::Zero(n * p, n * p));
   for (Index o = 0; o < outputs_; ++o) {

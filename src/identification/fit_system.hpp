@@ -87,7 +87,7 @@ class FitSystem {
   [[nodiscard]] MatrixXd derivatives(const FitState& state, Index output) const;
 
  private:
-  void form_weights(const MatrixXd& weight);
+  [[nodiscard]] Parts weights(Index first, Index lines) const;
   [[nodiscard]] PoleLines lines_of(Complex pole, const FitState* before) const;
   void add_gram(FitState& state) const;
   void solve_own(FitState& state) const;
@@ -110,8 +110,6 @@ class FitSystem {
   std::vector<MatrixXcd> white_;  // per line
   MatrixXcd M_;                   // lines × inputs², column i p + j
   std::vector<Pair> pairs_;       // i ≤ j with M_ij ≠ 0 at some line; those i < j come last
-  MatrixXd weights_re_;           // w_o M_ij: lines × (outputs · pairs)
-  MatrixXd weights_im_;           // of the pairs i < j
   MatrixXcd data_;                // Ĥ_oi in column o p + i
   Parts data_gradient_;           // w_o M Ĥ_o
 };

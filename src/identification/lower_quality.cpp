@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "names.hpp"
 
@@ -51,7 +52,7 @@ double share_in(const FrequencyResponses& responses, const VectorXd& size, const
 void lower_where_clipped(const FrequencyResponses& responses, const LowerQualityOptions& options,
                          Identification& result) {
   VectorXd size = VectorXd::Constant(std::ssize(result.responses.outputs), 1e-300);
-  for (const auto& H : result.responses.H) size += H.rowwise().squaredNorm();
+  for (const auto& H : std::as_const(result.responses.H)) size += H.rowwise().squaredNorm();
   for (auto& mode : result.modes) {
     double power = 0.0;
     for (const auto& warning : responses.warnings)

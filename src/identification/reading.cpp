@@ -104,6 +104,7 @@ Reading plan_reading(data::RecordSet& records, Plan& plan, const MeasureOptions&
         fmt::format("{:g} s are left out as settling, and the record has {:g} s", options.settling,
                     static_cast<double>(shortest) / records.header().sample_rate));
   reading.spectrum = spectrum_options(records, plan, options, shortest, beginning, reading.sweep);
+  beginning.release();
   reading.used = used_channels(plan.choice);
   reading.plan = plan;
   reading.spectrum.inputs =
@@ -168,11 +169,10 @@ Streamed stream_read(data::RecordSet& records, const Reading& reading,
 
 namespace {
 
-/// Reads all files into m.spectra, and past `clocks`, where there is such a search.
-Streamed read_once(data::RecordSet& records, const Reading& reading,
+/// Streams all files into the estimator, and past `clocks`, where there is such a search.
+Streamed read_into(SpectrumEstimator& estimator, data::RecordSet& records, const Reading& reading,
                    const numerics::Progress& progress, Measurement& m,
                    ClockSearch* clocks = nullptr) {
-  SpectrumEstimator estimator(m.header, reading.spectrum, reading.used);
   const auto streamed = stream_read(
       records, reading, progress,
       [&](std::size_t record) {
@@ -186,6 +186,14 @@ Streamed read_once(data::RecordSet& records, const Reading& reading,
   m.samples = streamed.samples;
   m.interrupted = !streamed.whole;
   m.notes = records.notes();
+  return streamed;
+}
+
+/// Reads all files into m.spectra.
+Streamed read_once(data::RecordSet& records, const Reading& reading,
+                   const numerics::Progress& progress, Measurement& m) {
+  SpectrumEstimator estimator(m.header, reading.spectrum, reading.used);
+  const auto streamed = read_into(estimator, records, reading, progress, m);
   m.spectra = estimator.result();
   return streamed;
 }
@@ -198,11 +206,18 @@ void read_at_one_clock(data::RecordSet& records, Reading& reading,
     read_once(records, reading, progress, m);
     return;
   }
-  ClockSearch search(records, reading.used, choice, reading.settling);
-  read_once(records, reading, progress, m, &search);
-  if (m.interrupted) return;
-  reading.clocks = search.result();
-  if (!reading.clocks) return;
+  {
+    SpectrumEstimator estimator(m.header, reading.spectrum, reading.used);
+    {  // the search ends before the spectra are formed: both are large
+      ClockSearch search(records, reading.used, choice, reading.settling);
+      read_into(estimator, records, reading, progress, m, &search);
+      if (!m.interrupted) reading.clocks = search.result();
+    }
+    if (!reading.clocks) {
+      m.spectra = estimator.result();
+      return;
+    }
+  }
   read_once(records, reading, {}, m);
   const auto name = [&](int c) {
     return records.header().channels[reading.used[static_cast<std::size_t>(c)]].name;

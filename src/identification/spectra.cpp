@@ -415,7 +415,8 @@ CrossSpectra SpectrumEstimator::result() {
   me.end_record();
   CrossSpectra result = me.header;
   for (const auto& watch : me.watches) result.health.push_back(watch.health());
-  me.lines = {};  // no longer needed, and large
+  std::vector<numerics::EightLines>().swap(me.lines);  // no longer needed, and large
+  std::vector<FourChannels>().swap(me.buffer);
   VectorXd scale =
       VectorXd::Constant(me.kept_lines, 2.0 / (result.sample_rate * result.window.squaredNorm()));
   scale[0] /= 2.0;
