@@ -1,8 +1,8 @@
 #include "pole_basis.hpp"
 
+#include <algorithm>
 #include <cmath>
 
-#include "hydrapod/numerics/fft.hpp"
 #include "names.hpp"
 
 namespace hydrapod::identification {
@@ -23,11 +23,14 @@ PoleBasis::PoleBasis(const FrequencyResponses& responses, bool taper)
     }
     line_.push_back(line % taper_.size());  // the transform repeats
   }
+  taper_ /= sample_rate_;
+  if (taper_.size() % 2 == 0)
+    fft_ = std::make_unique<numerics::RealFft>(static_cast<int>(taper_.size()));
 }
 
 PoleLines PoleBasis::at(Complex pole) const {
   PoleLines lines;
-  const Index count = omega_.size(), n = taper_.size();
+  const Index n = taper_.size();
   const Eigen::ArrayXcd s = omega_.array() * Complex(0.0, 1.0) + shift_;
   const double T = n == 0 ? 0.0 : static_cast<double>(n) / sample_rate_;
   const Complex end = n == 0 ? 0.0 : std::exp(pole * T);
@@ -37,28 +40,59 @@ PoleLines PoleBasis::at(Complex pole) const {
   lines.g_conjugate = rest_c * r_c;
   lines.slope = rest * r.square() - T * end * r;
   lines.slope_conjugate = rest_c * r_c.square() - T * end_c * r_c;
-  if (n == 0) return lines;
-  const double dt = 1.0 / sample_rate_;
-  std::vector<Complex> value(static_cast<size_t>(n)), slope(value.size());
-  for (Index t = 0; t < n; ++t) {
-    const double lag = static_cast<double>(t) * dt;
-    const Complex v = dt * taper_[t] * std::exp(pole * lag);
-    value[static_cast<size_t>(t)] = v;
-    slope[static_cast<size_t>(t)] = lag * v;
-  }
-  // the last point of the trapezoidal rule, at lag T, where e^(−sT) = 1
-  value[0] -= 0.5 * dt * end;
-  slope[0] -= 0.5 * dt * T * end;
-  const auto value_lines = numerics::complex_fft(value), slope_lines = numerics::complex_fft(slope);
-  for (Index k = 0; k < count; ++k) {
-    const auto at = static_cast<size_t>(line_[static_cast<size_t>(k)]);
-    const auto mirrored = (static_cast<size_t>(n) - at) % static_cast<size_t>(n);
-    lines.g[k] += value_lines[at];
-    lines.slope[k] += slope_lines[at];
-    lines.g_conjugate[k] += std::conj(value_lines[mirrored]);
-    lines.slope_conjugate[k] += std::conj(slope_lines[mirrored]);
-  }
+  if (n > 0) add_taper(pole, lines);
   return lines;
+}
+
+/// Transforms of the columns times the taper, to half the sample rate. Files may have an odd
+/// length.
+MatrixXcd PoleBasis::tapered(const numerics::RealFft::Block& series) const {
+  const Index n = series.rows(), half = n / 2 + 1, columns = series.cols();
+  MatrixXcd X(half, columns);
+  if (fft_ == nullptr) {
+    for (Index c = 0; c < columns; ++c) {
+      const VectorXcd x = taper_.cwiseProduct(series.col(c)).cast<Complex>();
+      X.col(c) = VectorXcd::Map(numerics::complex_fft({x.begin(), x.end()}).data(), half);
+    }
+    return X;
+  }
+  std::vector<numerics::EightLines> lines(static_cast<size_t>(fft_->line_groups() * columns));
+  fft_->forward(series, Eigen::RowVectorXd::Zero(columns), taper_, lines.data(), columns);
+  for (Index k = 0; k < half; ++k)
+    for (Index c = 0; c < columns; ++c) {
+      const auto& eight = lines[static_cast<size_t>(k / 8 * columns + c)];
+      const auto lane = static_cast<size_t>(k % 8);
+      X(k, c) = {eight.re[lane], eight.im[lane]};
+    }
+  return X;
+}
+
+/// e^(λτ) and τ e^(λτ) are transformed as four real series side by side; with A + i B at a line the
+/// conjugate has A − i B.
+void PoleBasis::add_taper(Complex pole, PoleLines& lines) const {
+  const Index n = taper_.size();
+  const double dt = 1.0 / sample_rate_, T = static_cast<double>(n) * dt;
+  numerics::RealFft::Block series(n, 4);
+  constexpr Index anew = 64;  // steps of a product, whose rounding adds up
+  const Complex step = std::exp(pole * dt);
+  Complex value = 1.0;
+  for (Index t = 0; t < n; ++t, value *= step) {
+    const double lag = static_cast<double>(t) * dt;
+    if (t % anew == 0) value = std::exp(pole * lag);
+    series.row(t) << value.real(), value.imag(), lag * value.real(), lag * value.imag();
+  }
+  const MatrixXcd X = tapered(series);
+  // the last point of the trapezoidal rule, at lag T, where e^(−sT) = 1
+  const Complex end = std::exp(pole * T), last = -0.5 * dt * end;
+  for (Index k = 0; k < omega_.size(); ++k) {
+    const Index at = line_[static_cast<size_t>(k)], half = std::min(at, n - at);
+    const auto number = [&](Index c) { return at > half ? std::conj(X(half, c)) : X(half, c); };
+    const Complex i(0.0, 1.0);
+    lines.g[k] += number(0) + i * number(1) + last;
+    lines.g_conjugate[k] += number(0) - i * number(1) + std::conj(last);
+    lines.slope[k] += number(2) + i * number(3) + T * last;
+    lines.slope_conjugate[k] += number(2) - i * number(3) + T * std::conj(last);
+  }
 }
 
 }  // namespace hydrapod::identification

@@ -1,7 +1,11 @@
 #pragma once
 /// What a pole contributes at each line. Private to the module.
 
+#include <memory>
+#include <vector>
+
 #include "hydrapod/identification/responses.hpp"
+#include "hydrapod/numerics/fft.hpp"
 
 namespace hydrapod::identification {
 
@@ -16,16 +20,21 @@ struct PoleLines {
 ///     g = (1 − e^(λT))/(s − λ) + ∫_0^T (ρ(τ) − 1) e^((λ − s) τ) dτ,
 ///
 /// the integral by the trapezoidal rule, whose aliases fall with the third power of the frequency.
+/// One per thread: it has the work space of a transform.
 class PoleBasis {
  public:
   PoleBasis(const FrequencyResponses& responses, bool taper);
   [[nodiscard]] PoleLines at(std::complex<double> pole) const;
 
  private:
+  [[nodiscard]] Eigen::MatrixXcd tapered(const numerics::RealFft::Block& series) const;
+  void add_taper(std::complex<double> pole, PoleLines& lines) const;
+
   Eigen::VectorXd omega_;
-  Eigen::VectorXd taper_;  // ρ − 1; empty: no window
+  Eigen::VectorXd taper_;  // (ρ − 1)/f_s; empty: no window
   double shift_, sample_rate_{};
   std::vector<Eigen::Index> line_;
+  std::unique_ptr<numerics::RealFft> fft_{};  // none: the length is odd
 };
 
 }  // namespace hydrapod::identification
