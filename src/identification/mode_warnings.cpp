@@ -40,7 +40,12 @@ void warn_of_short_blocks(const IdentifyOptions& options, Identification& result
     warning.from = mode.fit.omega() / two_pi;
     warning.to = width;
   }
-  if (warning.count > 0) result.warnings.push_back(std::move(warning));
+  if (warning.count == 0) return;
+  // where that is so of most modes, others may be hidden in those that look wide
+  if (result.responses.shift > 0.0 && 2 * warning.count >= warning.total)
+    for (auto& mode : result.modes)
+      mode.explained = std::min(mode.explained, warning.to * *duration / options.fewest_lines_wide);
+  result.warnings.push_back(std::move(warning));
 }
 
 /// Of the highest mode.

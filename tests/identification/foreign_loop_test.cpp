@@ -39,6 +39,27 @@ TEST(ShortForeignLoop, GivesTheModesOfThePlant) {
   EXPECT_LT(score.median_damping_error(), 0.05);
 }
 
+/// Too short for blocks that tell its modes apart: no mode of it is certain, as narrow or as wide
+/// as it looks.
+TEST(ShortForeignLoop, NoModeIsCertainWhereBlocksAreShorterThanMostNeed) {
+  const auto plant = foreign_plant();
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const auto found =
+        identify_modes(foreign_measurement(
+                           plant, {.excitation = Excitation::noise, .duration = 14.0, .seed = seed})
+                           .responses,
+                       foreign_band);
+    ASSERT_GT(found.responses.shift, 0.0);
+    ASSERT_FALSE(found.modes.empty());
+    const auto at =
+        std::ranges::find(found.warnings, ModeWarning::Kind::short_blocks, &ModeWarning::kind);
+    ASSERT_NE(at, found.warnings.end());
+    ASSERT_GE(2 * at->count, at->total);
+    for (const auto& mode : found.modes)
+      EXPECT_LE(mode.quality(), at->value * at->to / 2.0 + 1e-12) << seed;
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Excitations, ForeignLoops,
                          testing::Values(Excitation::white, Excitation::noise, Excitation::sweep,
                                          Excitation::multisine, Excitation::drive));

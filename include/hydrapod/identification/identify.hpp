@@ -282,7 +282,7 @@ struct IdentifyOptions {
   double fewest_samples{8.0};  ///< per period of a mode; with fewer aliasing is seen: a warning
   double largest_misfit{2.0};  ///< ModalModel::misfit > this is a warning; 1 is noise alone
   /// A block shorter than this over the half-power bandwidth ζ ω/π of a mode is a warning: modes
-  /// that are nearer to each other than its two lines come out as one that is too wide.
+  /// nearer to each other come out as one, too wide. Where half of a loop's are, no quality exceeds the share.
   double fewest_lines_wide{2.0};
   WindowOptions window{};
   AssumedErrorOptions assumed_errors{};
