@@ -412,6 +412,12 @@ std::string warning_text(const identification::ModeWarning& w) {
           "measurement, and damping ratios of all modes may be too high; a tuned absorber makes "
           "such pairs too",
           w.count, w.total, w.from, w.to, w.value);
+    case Kind::moved:
+      return fmt::format(
+          "{} of {} modes stand beside another one with the same shape and participation, as at "
+          "{:.5g} Hz and {:.5g} Hz, and the inputs do not explain {:.2g} % of the outputs' power "
+          "there: one resonance that moved during the measurement may have become both",
+          w.count, w.total, w.from, w.to, 100.0 * w.share);
     case Kind::conjugated:
       return fmt::format(
           "the phases rise through the resonances: from {:.4g} Hz to {:.4g} Hz modes leave {} % "
