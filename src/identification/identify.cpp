@@ -9,6 +9,7 @@
 
 #include "assumed_errors.hpp"
 #include "beside_open.hpp"
+#include "common_poles.hpp"
 #include "conjugated.hpp"
 #include "fit_covariance.hpp"
 #include "harmonics.hpp"
@@ -338,6 +339,7 @@ Identification identified(const FrequencyResponses& given, const IdentifyOptions
   if (!given.whole) test_residual(options, result);
   lower_quality(given, result);
   add_warnings(options, result);
+  if (!given.whole) find_common_poles(result);
   warn_of_peaks_above(responses, asked, result);
   test_conjugates(responses, options, assumed, progress, result);
   return result;

@@ -126,7 +126,13 @@ std::vector<identification::ModeWarning> mode_warnings() {
            .to = 40.855,
            .share = 0.44,
            .count = 2,
-           .total = 6}};
+           .total = 6},
+          {.kind = Kind::common_poles,
+           .value = 0.224,
+           .from = 76.69,
+           .to = 100.3,
+           .count = 3,
+           .total = 7}};
 }
 
 /// Every kind has its example, and each stands word for word in docs/howto/identify.md.

@@ -362,7 +362,8 @@ struct ModeWarning {
     conjugated,    ///< modes leave `share` of the responses (RMS), and `value` of their conjugates
     window,        ///< the responses are averages with this window, in blocks of value [s]
     twins,         ///< `count` of `total` modes; a pair: `from`, `to` [Hz], value half widths apart
-    moved          ///< twins that are one resonance; `share` of the outputs not explained there
+    moved,         ///< twins that are one resonance; `share` of the outputs not explained there
+    common_poles   ///< `count` of `total` modes, `from` … `to`; value: damping of the lowest one
   };
   Kind kind{};
   double value{}, from{}, to{}, smooth{}, share{};
