@@ -97,7 +97,10 @@ void find_common_poles(Identification& result, const CommonPoleOptions& options)
   const Index outputs = result.modes[0].fit.shape.size(),
               inputs = result.modes[0].fit.participation.size(), n = std::min(outputs, inputs);
   if (std::max(outputs, inputs) < options.fewest_entries) return;
-  const auto common = n > 1 ? of_full_rank(result, n, options) : of_one_shape(result, options);
+  auto common = n > 1 ? of_full_rank(result, n, options) : of_one_shape(result, options);
+  std::erase_if(common, [&](std::size_t r) {
+    return result.modes[r].explained <= options.quality;  // another warning says why
+  });
   if (common.empty()) return;
   for (const auto r : common)
     result.modes[r].explained = std::min(result.modes[r].explained, options.quality);

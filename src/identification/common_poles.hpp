@@ -29,13 +29,14 @@ struct CommonPoleOptions {
   /// axis, where G differs more: > alike_damped. By chance five numbers have that once in 250.
   double alike{0.98}, alike_damped{0.9};
   Eigen::Index fewest_entries{3};  ///< of a shape: with fewer such a MAC says little
-  /// So many modes are common poles without one of high damping: with n = 1 and with n > 1, where
-  /// this is the n from which none is asked for.
+  /// So many modes of one shape, with n = 1, or an n of so many, need no pole of high damping
+  /// beside them.
   std::size_t alone{3};
   double quality{0.3};  ///< at most
 };
 
-/// Names modes that are such poles, and lowers their quality.
+/// Names modes that are such poles, and lowers their quality. Not those whose quality is that low
+/// for what another warning says: a resonance that moves makes modes of one shape too.
 void find_common_poles(Identification& result, const CommonPoleOptions& options = {});
 
 }  // namespace hydrapod::identification

@@ -339,7 +339,6 @@ Identification identified(const FrequencyResponses& given, const IdentifyOptions
   if (!given.whole) test_residual(options, result);
   lower_quality(given, result);
   add_warnings(options, result);
-  if (!given.whole) find_common_poles(result);
   warn_of_peaks_above(responses, asked, result);
   test_conjugates(responses, options, assumed, progress, result);
   return result;
@@ -354,6 +353,7 @@ Identification identify_modes(const FrequencyResponses& all, const IdentifyOptio
   auto result = identified(given, asked, progress);
   try_windows(given, asked, identified, progress, result);
   warn_of_twins(asked, result);
+  if (!given.whole) find_common_poles(result);
   if (!given.has_errors()) remove_errors(result.responses);
   return result;
 }
