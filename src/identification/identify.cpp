@@ -9,6 +9,7 @@
 
 #include "assumed_errors.hpp"
 #include "beside_open.hpp"
+#include "common_poles.hpp"
 #include "conjugated.hpp"
 #include "fit_covariance.hpp"
 #include "harmonics.hpp"
@@ -352,6 +353,7 @@ Identification identify_modes(const FrequencyResponses& all, const IdentifyOptio
   auto result = identified(given, asked, progress);
   try_windows(given, asked, identified, progress, result);
   warn_of_twins(asked, result);
+  if (!given.whole) find_common_poles(result);
   if (!given.has_errors()) remove_errors(result.responses);
   return result;
 }

@@ -18,10 +18,24 @@ void add_hidden_modes(const IdentifyOptions& options, Identification& result);
 void add_second_of_pairs(const IdentifyOptions& options, std::size_t strong,
                          Identification& result);
 
+struct PoleBelowOptions {
+  /// It is looked for where the mean of |residual|²/variance below side · ω_lowest > more · its
+  /// mean over the band: the flank of the lowest mode, which a wrong damping leaves over, is above
+  /// that; 5 % is what the mean of some hundred lines of noise scatters by.
+  double side{0.75}, more{1.05};
+  /// A fit begins at ω = share · ω_lowest, the first one that stays: a pole may be anywhere between
+  /// the band's beginning and the lowest mode, and from within a factor of two a fit gets there.
+  std::vector<double> shares{0.3, 0.6};
+  double damping{0.7};  ///< ζ that it begins with: a high-pass filter of second order has that
+  /// Fall of the sum of squares as in Certainty::gain ≥ gain · least_significance.
+  double gain{1.0};
+};
+
 /// A pole below the lowest mode that is damped too much for one: of sensors that do not measure
 /// what is constant, of a soft mount. Residual terms do not follow it, and the damping of the modes
 /// above is wrong by what they miss.
-void add_pole_below_modes(const IdentifyOptions& options, Identification& result);
+void add_pole_below_modes(const IdentifyOptions& options, Identification& result,
+                          const PoleBelowOptions& pole = {});
 
 /// What lies far above the highest mode cannot tell of any mode, but of delays, valves and higher
 /// modes, for which the residual terms stand: it is left out.

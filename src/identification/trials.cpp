@@ -101,10 +101,9 @@ void add_hidden_modes(const IdentifyOptions& options, Identification& result) {
 
 namespace {
 
-/// Is more left over below this frequency [Hz] than elsewhere?
-bool more_is_left_below(double frequency, const IdentifyOptions& options,
+/// Is so much more left over below this frequency [Hz] than elsewhere?
+bool more_is_left_below(double frequency, double more, const IdentifyOptions& options,
                         const Identification& result) {
-  constexpr double more = 1.05;
   const auto& lines = result.responses.frequency;
   const auto count = std::ranges::lower_bound(lines, frequency) - lines.begin();
   if (count < static_cast<std::ptrdiff_t>(fewest_lines)) return false;
@@ -115,22 +114,22 @@ bool more_is_left_below(double frequency, const IdentifyOptions& options,
 
 }  // namespace
 
-void add_pole_below_modes(const IdentifyOptions& options, Identification& result) {
-  constexpr double damping = 0.7;
+void add_pole_below_modes(const IdentifyOptions& options, Identification& result,
+                          const PoleBelowOptions& pole) {
   double lowest = std::numeric_limits<double>::infinity();
   for (const auto& m : result.model.modes)
     if (m.damping_ratio() <= options.highest_damping) lowest = std::min(lowest, m.omega());
-  constexpr double side = 0.75;  // without the flank of the lowest mode
-  if (!std::isfinite(lowest) || !more_is_left_below(side * lowest / two_pi, options, result))
+  if (!std::isfinite(lowest) ||
+      !more_is_left_below(pole.side * lowest / two_pi, pole.more, options, result))
     return;
   const auto is_wanted = [&](const FittedMode& added) {
     return added.damping_ratio() > options.highest_damping && added.omega() < lowest;
   };
-  for (const double share : {0.3, 0.6}) {
+  const Complex direction(-pole.damping, std::sqrt(1.0 - pole.damping * pole.damping));
+  for (const double share : pole.shares) {
     const double omega = share * lowest;
     if (!(omega > two_pi * result.from)) continue;
-    const auto pole = omega * Complex(-damping, std::sqrt(1.0 - damping * damping));
-    if (try_more_if(options, {}, pole, 1, 1.0, is_wanted, result)) return;
+    if (try_more_if(options, {}, omega * direction, 1, pole.gain, is_wanted, result)) return;
   }
 }
 

@@ -412,6 +412,17 @@ std::string warning_text(const identification::ModeWarning& w) {
           "measurement, and damping ratios of all modes may be too high; a tuned absorber makes "
           "such pairs too",
           w.count, w.total, w.from, w.to, w.value);
+    case Kind::moved:
+      return fmt::format(
+          "{} of {} modes stand beside another one with the same shape and participation, as at "
+          "{:.5g} Hz and {:.5g} Hz, and the inputs do not explain {:.2g} % of the outputs' power "
+          "there: one resonance that moved during the measurement may have become both",
+          w.count, w.total, w.from, w.to, 100.0 * w.share);
+    case Kind::common_poles:
+      return fmt::format(
+          "{} of {} modes, from {:.4g} Hz to {:.4g} Hz, {} that all responses have in common: "
+          "those of a filter that all sensors pass and the inputs do not, and no modes",
+          w.count, w.total, w.from, w.to, w.count == 1 ? "is a pole" : "are poles");
     case Kind::conjugated:
       return fmt::format(
           "the phases rise through the resonances: from {:.4g} Hz to {:.4g} Hz modes leave {} % "

@@ -47,7 +47,7 @@
 /// Source: B. Efron, R. J. Tibshirani, An Introduction to the Bootstrap (1993), ch. 6 and 8.
 ///
 /// Do frequencies stay where they are during a record? The modes that were found are fitted to
-/// groups of neighbouring blocks, halves or quarters of the record. Of a mode whose frequency stays
+/// groups of neighbouring blocks, halves or quarters. Of a mode whose frequency stays
 ///
 ///     χ² = Σ_g (ω_g − ω̄)²/σ_g²
 ///
@@ -176,8 +176,7 @@ struct Certainty {
   double gain{};
 };
 
-/// Modes that are tried beside those that were found, and stay if the fit is certain of them and
-/// leaves all others where they were.
+/// Modes tried beside those that were found. They stay if the fit is certain and leaves the others.
 struct TrialOptions {
   double unmoved{0.005};  ///< |Δω| < unmoved · ω: the same mode; also one of a close pair
   int rounds{4};          ///< in the flanks of strong modes, while one finds something
@@ -362,11 +361,12 @@ struct ModeWarning {
     peaks_above,   ///< `count` peaks, the largest at value [Hz], above the band `from` … `to`
     conjugated,    ///< modes leave `share` of the responses (RMS), and `value` of their conjugates
     window,        ///< the responses are averages with this window, in blocks of value [s]
-    twins          ///< `count` of `total` modes; a pair: `from`, `to` [Hz], value half widths apart
+    twins,         ///< `count` of `total` modes; a pair: `from`, `to` [Hz], value half widths apart
+    moved,         ///< twins that are one resonance; `share` of the outputs not explained there
+    common_poles   ///< `count` of `total` modes, `from` … `to`; value: damping of the lowest one
   };
   Kind kind{};
-  double value{}, from{}, to{};
-  double smooth{}, share{};                 ///< of Unexplained
+  double value{}, from{}, to{}, smooth{}, share{};
   std::string output{}, input{}, window{};  ///< names
   std::int64_t count{}, total{};
 };
