@@ -280,8 +280,8 @@ struct IdentifyOptions {
   int highest_residual_power{4};
   double fewest_samples{8.0};  ///< per period of a mode; with fewer aliasing is seen: a warning
   double largest_misfit{2.0};  ///< ModalModel::misfit > this is a warning; 1 is noise alone
-  /// A block shorter than this over the half-power bandwidth ζ ω/π of a mode is a warning: modes
-  /// nearer to each other come out as one, too wide. Where half of a loop's are, no quality exceeds the share.
+  /// A block shorter than this over the bandwidth ζ ω/π of a mode is a warning: modes nearer to
+  /// each other come out as one. Where half of a loop's modes are, no quality exceeds the share.
   double fewest_lines_wide{2.0};
   WindowOptions window{};
   AssumedErrorOptions assumed_errors{};
