@@ -117,7 +117,7 @@ test('out of sight it goes on without pictures but the last one', async () => {
     await page.evaluate(() => document.getElementById('simulation').scrollIntoView());
     const seen = await playThrough(page);
     assert.ok(seen >= 6, `${seen} frames, 0.1 s of the run each at most`);
-    await page.evaluate(() => document.getElementById('mechanism').scrollIntoView());
+    await page.evaluate(() => document.getElementById('about').scrollIntoView());
     const unseen = await playThrough(page);
     assert.ok(unseen >= 1 && unseen <= 2, `${unseen} frames`);
   });
