@@ -30,8 +30,11 @@ async function bundle(entry, plugins = []) {
     plugins,
     logLevel: 'warning',
   });
-  // lines begin only in the texts of shaders, which need no indentation
-  return result.outputFiles[0].text.replace(/\n\t+/g, '\n');
+  // lines begin only in the texts of shaders, which need no indentation, comments and empty lines
+  return result.outputFiles[0].text
+    .replace(/\n[ \t]+/g, '\n')
+    .replace(/\n\/\/[^\n]*/g, '')
+    .replace(/\n\n+/g, '\n');
 }
 
 // The worker is a script of its own inside the page's script.

@@ -206,7 +206,13 @@ void run(const Arguments& a) {
     text = json_text(json, report::diagnosis_json(found.file));
   }
   write_result(a.output, format, text);
-  draw(a.plot, [&](const auto& path) { report::plot_diagnosis(found.file, path); });
+  draw(a.plot, [&](const auto& path) {
+    report::plot_diagnosis(
+        found.file,
+        fmt::format("machine: {}; {} model", report::mechanics_state_text(machine.file),
+                    dynamics::name(machine.kind)),
+        path);
+  });
   if (found.file.diagnosis && found.file.diagnosis->interrupted)
     throw base::ComputationError("interrupted: the result contains the hypotheses tried so far");
 }

@@ -84,7 +84,7 @@ void run(const Arguments& arguments) {
   const auto shared = tasks::shared_responses(measured);
   const auto r = data::brought_to_axis(shared);
   const std::string title = options.files.front();
-  const report::PlotText text{title, report::measurement_text(r)};
+  const auto text = measured_plot_text(options.files, measured, r);
   draw(arguments.plot, [&](const auto& path) { report::plot_responses(r, nullptr, text, path); });
   draw(arguments.coherence_plot, [&](const auto& path) { report::plot_coherence(r, text, path); });
   if (format == mat || format == uff || format == h5) {

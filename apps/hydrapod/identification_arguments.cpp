@@ -167,6 +167,18 @@ tasks::IdentifyOptions identify_options(const IdentificationArguments& a) {
   return options;
 }
 
+report::PlotText measured_plot_text(const std::vector<std::string>& files,
+                                    const tasks::Measured& measured,
+                                    const identification::FrequencyResponses& responses) {
+  const auto of_responses = report::measurement_text(responses);
+  const std::string file =
+      files.front() +
+      (files.size() > 1 ? fmt::format(" and {} more", files.size() - 1) : std::string());
+  const bool titled = measured.header && !measured.header->title.empty();
+  if (!titled) return {file, of_responses};
+  return {measured.header->title, file + "; " + of_responses};
+}
+
 std::optional<observation::Observed> observed_system(const std::string& word,
                                                      const std::string& also) {
   std::vector<std::string_view> words{"auto", "mechanics", "plant", "system"};

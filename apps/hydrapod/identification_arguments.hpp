@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "hydrapod/options.hpp"
+#include "hydrapod/report/measured_results.hpp"
 #include "hydrapod/tasks/fit.hpp"
 
 namespace hydrapod::cli {
@@ -53,6 +54,11 @@ tasks::MeasureOptions measure_options(const MeasurementArguments& arguments);
 tasks::IdentifyOptions identify_options(const IdentificationArguments& arguments);
 tasks::DiagnoseOptions diagnose_options(const DiagnosisArguments& arguments,
                                         const model::Machine& machine);
+
+/// Heading of pictures: the machine by the title of its record, where it has one, and the files.
+report::PlotText measured_plot_text(const std::vector<std::string>& files,
+                                    const tasks::Measured& measured,
+                                    const identification::FrequencyResponses& responses);
 
 /// The system of --against; none for "auto" (and for `also`, another word that is accepted).
 std::optional<observation::Observed> observed_system(const std::string& word,

@@ -180,8 +180,8 @@ enum Format : std::size_t { table, json, csv, uff, mat };
 
 void draw_all(const Arguments& a, const tasks::Identified& found) {
   const auto& result = found.modes;
-  const report::PlotText text{a.measurement.files[0],
-                              report::measurement_text(found.measured.responses())};
+  const auto text =
+      measured_plot_text(a.measurement.files, found.measured, found.measured.responses());
   draw(a.plot, [&](const auto& path) {
     report::plot_responses(result.responses, result.modes.empty() ? nullptr : &result.model, text,
                            path);

@@ -72,7 +72,7 @@ std::string seen_of(const std::string& path) {
   return text;
 }
 
-/// Titles of the tables that are written as CSV. A comment in front would be a row to spreadsheets.
+/// Titles of the tables that are written as CSV, or what stands above them.
 bool has_own_titles(std::string_view text) {
   constexpr std::array<std::string_view, 9> titles{"frequency_hz,omega_rad_s,",
                                                    "mode,omega_rad_s,frequency_hz,",

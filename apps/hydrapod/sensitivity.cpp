@@ -23,7 +23,11 @@ void run(const Arguments& arguments) {
                                         machine.pose.name, dynamics::name(machine.kind));
   draw(arguments.plot, [&](const auto& path) {
     report::plot_sensitivities(
-        result, title + "; machine: " + report::mechanics_state_text(machine.file), path);
+        result,
+        {machine.file.machine.name,
+         fmt::format("pose {}, {} model; machine: {}", machine.pose.name,
+                     dynamics::name(machine.kind), report::mechanics_state_text(machine.file))},
+        path);
   });
   std::string text;
   if (format == 0) {

@@ -4,7 +4,6 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
-#include <numbers>
 
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/command.hpp"
@@ -12,6 +11,7 @@
 #include "hydrapod/report/model_results.hpp"
 #include "hydrapod/reports.hpp"
 #include "hydrapod/reproduction.hpp"
+#include "hydrapod/study_picture.hpp"
 #include "hydrapod/study_rows.hpp"
 #include "hydrapod/tasks/study.hpp"
 #include "hydrapod/team.hpp"
@@ -224,27 +224,6 @@ void require_results(const Arguments& arguments, const tasks::StudyJob& job) {
     base::refuse("--plot " + arguments.plot, "a heat map needs a grid over exactly two inputs");
 }
 
-void plot_map(const tasks::StudyJob& job, const std::string& value,
-              const std::vector<double>& values, const std::string& path) {
-  const auto found = std::ranges::find(job.problem.outputs, value, &study::Column::name);
-  const auto axis = [&](std::size_t k, std::vector<double>& along) {
-    const auto& input = job.problem.inputs[k];
-    const bool angle = input.unit == "rad", length = input.unit == "m";
-    for (const double one : input.distribution.list)
-      along.push_back(angle ? one * 180.0 / std::numbers::pi : length ? 1e3 * one : one);
-    return fmt::format("{} [{}]", input.name, angle ? "°" : length ? "mm" : input.unit);
-  };
-  report::Field field{.name = fmt::format("{} [{}]", found->name, found->unit), .values = values};
-  field.values.resize(job.rows, std::numeric_limits<double>::quiet_NaN());
-  field.x_name = axis(0, field.x);
-  field.y_name = axis(1, field.y);
-  report::plot_field(
-      field, fmt::format("{}: {}", job.machine.file.machine.name, found->meaning),
-      fmt::format("pose {}, {} model; machine: {}; grey: no value", job.machine.pose.name,
-                  dynamics::name(job.machine.kind), report::mechanics_state_text(job.machine.file)),
-      path);
-}
-
 void write_worst(const tasks::StudyJob& job, const study::Summary& summary,
                  const std::string& path) {
   if (!summary.requirements.front().worst)
@@ -271,8 +250,9 @@ void report_study(const Arguments& arguments, const tasks::StudyJob& job,
   print_written(arguments.results);
   rows.close_csv(done.complete);
   if (!arguments.worst.empty()) write_worst(job, *done.summary, arguments.worst);
-  draw(arguments.plot,
-       [&](const auto& path) { plot_map(job, arguments.value, rows.values(), path); });
+  draw(arguments.plot, [&](const auto& path) {
+    plot_map(job, arguments.over, arguments.value, rows.values(), path);
+  });
   const auto style = table_style(arguments.output);
   const auto no_drop = study::why_no_output(job.machine.file.machine, job.machine.kind, "drop");
   if (format == 1)
@@ -344,6 +324,7 @@ void run_with(Arguments arguments, study::Design design, const char* kind) {
     require_ending("--csv", arguments.csv, "csv");
     require_ending("--worst", arguments.worst, ".toml");
     running.output = arguments.results;
+    running.command = study_command();
     running.resume = arguments.resume;
     running.replace_rows = arguments.force;
     running.replace_results = arguments.force || arguments.results == Arguments{}.results;
@@ -356,7 +337,8 @@ void run_with(Arguments arguments, study::Design design, const char* kind) {
     tasks::check_run(prepared, running);
     return prepared;
   });
-  StudyRows rows(job, arguments.csv, arguments.plot.empty() ? "" : arguments.value);
+  StudyRows rows(job, arguments.csv, arguments.plot.empty() ? "" : arguments.value,
+                 comments_of(job, running.command));
   if (rows.are_wanted()) running.take = [&](std::span<const double> some) { rows.take(some); };
   const auto done = with_progress("samples", [&](const numerics::Progress& progress) {
     return tasks::run_study(job, running, progress);

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -11,12 +12,50 @@
 #include <iterator>
 #include <utility>
 
+#include "hydrapod/report/model_results.hpp"
+#include "hydrapod/reproduction.hpp"
 #include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
 
-StudyRows::StudyRows(const tasks::StudyJob& job, std::string csv, const std::string& output)
+std::string study_command() {
+  constexpr std::array alone{"--resume", "--join", "--no-mpi", "--force"};
+  constexpr std::array valued{"--threads", "--shard",  "--results", "--csv",   "-o",
+                              "--output",  "--format", "--plot",    "--worst", "--value"};
+  const auto given = record_origin().command;
+  std::vector<std::string> kept;
+  for (std::size_t k = 0; k < given.size(); ++k) {
+    const auto name = given[k].substr(0, given[k].find('='));
+    if (std::ranges::find(alone, given[k]) != alone.end()) continue;
+    if (std::ranges::find(valued, name) == valued.end())
+      kept.push_back(given[k]);
+    else if (name == given[k])
+      ++k;
+  }
+  return shell_text(kept);
+}
+
+std::vector<std::string> comments_of(const tasks::StudyJob& job, const std::string& command) {
+  std::vector<std::string> lines{
+      fmt::format("hydrapod study: {}, pose {}, {} model", job.machine.file.machine.name,
+                  job.machine.pose.name, dynamics::name(job.machine.kind)),
+      fmt::format("machine: {}", report::mechanics_state_text(job.machine.file)),
+      fmt::format("made by: {}", command)};
+  for (const auto& [path, sum] : record_origin().inputs)
+    lines.push_back(fmt::format("read {}: sha256 {}", path, sum));
+  lines.push_back(fmt::format("written by {}", program_text()));
+  return lines;
+}
+
+StudyRows::StudyRows(const tasks::StudyJob& job, std::string csv, const std::string& output,
+                     const std::vector<std::string>& comments)
     : csv_(std::move(csv)), width_(job.problem.inputs.size() + job.problem.outputs.size()) {
+  std::string above;
+  for (const auto& comment : comments) {
+    above += "# ";
+    for (const char c : comment) above += c == '\n' || c == '\r' ? ' ' : c;
+    above += '\n';
+  }
   const auto& outputs = job.problem.outputs;
   if (const auto at = std::ranges::find(outputs, output, &study::Column::name); at != outputs.end())
     output_ = job.problem.inputs.size() + static_cast<std::size_t>(at - outputs.begin());
@@ -24,7 +63,7 @@ StudyRows::StudyRows(const tasks::StudyJob& job, std::string csv, const std::str
     titles_ += fmt::format("{}{} [{}]", titles_.empty() ? "" : ",", job.input_column(k),
                            job.problem.inputs[k].unit);
   for (const auto& one : outputs) titles_ += fmt::format(",{} [{}]", one.name, one.unit);
-  titles_ += "\n";
+  titles_ = above + titles_ + "\n";
 }
 
 void StudyRows::take(std::span<const double> rows) {

@@ -15,10 +15,20 @@
 
 namespace hydrapod::cli {
 
+/// The command of this run, without what says where results go and how they are computed: an
+/// interrupted run that was gone on with has the same.
+std::string study_command();
+
+/// Lines above the table of --csv: which machine, and how it was made. There is no date: the same
+/// command writes the same file.
+std::vector<std::string> comments_of(const tasks::StudyJob& job, const std::string& command);
+
 class StudyRows {
  public:
   /// `csv`: file of the table; `output`: name of the output that is mapped. Empty: not wanted.
-  StudyRows(const tasks::StudyJob& job, std::string csv, const std::string& output);
+  /// `comments`: lines above the table.
+  StudyRows(const tasks::StudyJob& job, std::string csv, const std::string& output,
+            const std::vector<std::string>& comments);
 
   [[nodiscard]] bool are_wanted() const { return output_ || !csv_.empty(); }
   /// Rows in their order: inputs, then outputs, row by row. Throws base::ComputationError where the

@@ -126,13 +126,13 @@ void plot_modes_at_amplitudes(const ModesAtAmplitudes& modes, const std::string&
     damping += fmt::format("{}${} using 1:3 {} notitle", separator, name, style);
   }
   const auto cell = [](double bottom, double top) {
-    return at_screen({.left = 0.09, .right = 0.97, .top = top, .bottom = bottom});
+    return at_screen({.left = 0.11, .right = 0.97, .top = top, .bottom = bottom});
   };
   draw(path, width, height,
-       std::string(thin_grid) + thin_axes + titles(title, subtitle, height) +
+       std::string(thin_grid) + thin_axes + titles(title, subtitle, width, height) +
            key_below_titles(height) + "set key at screen 0.5,0.9 maxcols 6\n" + blocks +
            "set multiplot\nset logscale x\nset format x '%g'\nset ylabel 'frequency Hz'\n" +
-           cell(0.50, 0.86) + "set xlabel ''\n" + frequency +
+           "set ylabel offset 1,0\n" + cell(0.50, 0.86) + "set xlabel ''\n" + frequency +
            "\nunset label 101\nunset label 102\nset ylabel 'damping ratio %'\n" +
            fmt::format("set xlabel 'amplitude of the platform joint that moves most, mm{}'\n",
                        dashed ? " (dashed: branches from long swings)" : "") +

@@ -97,9 +97,9 @@ std::string entry_plots(const Bode& bode, const Entry& entry, size_t index, cons
   text += fmt::format("set ytics autofreq\nset yrange [{:.3f}:{:.3f}]\n", low, high) +
           peak_labels(bode, entry, high);
   text += fmt::format(
-      "plot $bode using 1:{} with lines {} title 'rigid legs', "
-      "$bode using 1:{} with lines {} title 'with seals'\n",
-      first + 2, rigid_style, first, real_style);
+      "plot $bode using 1:{} with lines {} title 'with seals', "
+      "$bode using 1:{} with lines {} title 'rigid legs'\n",
+      first, real_style, first + 2, rigid_style);
   text += "unset label\nunset title\nunset key\nset autoscale y\n";
   text += at_screen(cells.phase);
   text +=
@@ -109,7 +109,7 @@ std::string entry_plots(const Bode& bode, const Entry& entry, size_t index, cons
   text += fmt::format(
       "plot $bode using 1:{} with lines {}, $bode using 1:{} with lines {}\n"
       "unset offsets\nset autoscale y\n",
-      first + 3, rigid_style, first + 1, real_style);
+      first + 1, real_style, first + 3, rigid_style);
   return text;
 }
 
@@ -123,7 +123,7 @@ std::string bode_script(const Bode& bode, const std::vector<Entry>& entries, con
   script += "set multiplot\n";
   script += std::string(thin_grid) + thin_axes;
   script += logarithmic_frequencies(from, to);
-  script += titles(text.title, text.subtitle, cells.height());
+  script += titles(text.title, text.subtitle, cells.width(), cells.height());
   for (size_t e = 0; e < entries.size(); ++e)
     script += entry_plots(bode, entries[e], e, split(cells[e], cells.height()),
                           e == 0 ? key_below_titles(cells.height()) : "unset key\n");

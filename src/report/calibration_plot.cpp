@@ -1,10 +1,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "gnuplot.hpp"
 #include "hydrapod/base/units.hpp"
+#include "hydrapod/numerics/statistics.hpp"
 #include "hydrapod/report/measured_results.hpp"
 #include "hydrapod/report/model_results.hpp"
 
@@ -22,6 +24,10 @@ std::string short_name(std::string path) {
   for (const std::string prefix : {"legs.", "platform.inertia.", "poses."})
     if (path.starts_with(prefix))
       path = path.substr(prefix == "platform.inertia." ? 9 : prefix.size());
+  constexpr std::array axes{"[0]", "[1]", "[2]"};
+  for (std::size_t k = 0; k < axes.size(); ++k)
+    if (path.ends_with(axes[k]))
+      path = path.substr(0, path.size() - 3) + ' ' + static_cast<char>('x' + k);
   std::replace(path.begin(), path.end(), '_', ' ');
   std::replace(path.begin(), path.end(), '.', ' ');
   return path;
@@ -30,12 +36,15 @@ std::string short_name(std::string path) {
 std::string target_rows(const Candidate& best, const Targets& targets) {
   std::string text;
   for (std::size_t i = 0; i < best.targets.size(); ++i)
-    text += fmt::format("{} {:.9g} {:.9g} {:.9g} {}\n", i + 1, targets.modes[i].omega / two_pi,
-                        best.targets[i].omega / two_pi,
-                        (best.targets[i].omega - targets.modes[i].omega) / two_pi,
-                        best.targets[i].outlier ? 1 : 0);
+    text += fmt::format(
+        "{} {:.9g} {:.9g} {:.9g} {:.9g}\n", i + 1, targets.modes[i].omega / two_pi,
+        best.targets[i].omega / two_pi, (best.targets[i].omega - targets.modes[i].omega) / two_pi,
+        targets.deviations_given ? numerics::normal_half_width * targets.modes[i].deviation / two_pi
+                                 : 0.0);
   return block_of("targets", text);
 }
+
+constexpr int picture_width = 1000;  // [pixels]
 
 /// Height [pixels] of the two panels about targets, and of the whole picture.
 struct Heights {
@@ -54,12 +63,16 @@ std::string target_panels(const Candidate& best, const Targets& targets, const P
   s += std::string("set grid ytics back lt 1 lc rgb '#d0d0d0' lw 0.5\n") + thin_axes;
   s += fmt::format("set xrange [0.4:{}.6]\nset xtics 1\n", best.targets.size());
   const auto height = static_cast<int>(heights.all);
-  s += panel_at(heights, 0.14, 0.54) + titles(text.title, text.subtitle, height) +
+  s += panel_at(heights, 0.14, 0.54) + titles(text.title, text.subtitle, picture_width, height) +
        key_below_titles(height);
-  s += "set ylabel 'Hz'\nset format x ''\n";
-  s += "plot $targets using 1:2 with points pt 6 ps 1.6 lw 2 lc rgb '#d55e00' title 'target', "
-       "$targets using 1:3 with points pt 7 ps 0.7 lc rgb '#0072b2' title 'model'\n";
-  s += panel_at(heights, 0.58, 0.93);
+  s += "set ylabel 'Hz'\nset format x ''\nset offsets 0,0,graph 0.06,graph 0.06\n";
+  s += targets.deviations_given
+           ? "plot $targets using 1:2:5 with yerrorbars pt 6 ps 1.6 lw 2 lc rgb '#d55e00' title "
+             "'target (95 %)', "
+           : "plot $targets using 1:2 with points pt 6 ps 1.6 lw 2 lc rgb '#d55e00' title "
+             "'target', ";
+  s += "$targets using 1:3 with points pt 7 ps 0.7 lc rgb '#0072b2' title 'model'\n";
+  s += "unset offsets\n" + panel_at(heights, 0.58, 0.93);
   s += "unset label\nunset key\nset format x '%g'\nset xlabel 'target' offset 0,0.5\n";
   s += "set ylabel 'model − target, Hz'\nset xzeroaxis lt 1 lc rgb '#888888'\n";
   return s + "plot $targets using 1:4 with impulses lw 4 lc rgb '#0072b2'\n";
@@ -94,10 +107,10 @@ void plot_calibration(const Calibration& result, const Targets& targets, const P
   if (several) heights.all += 60.0 + 26.0 * static_cast<double>(result.candidates.size());
   std::string s = "set multiplot\n" + target_panels(result.best(), targets, text, heights);
   if (several) s += combination_panel(result, heights);
-  draw(path, 1000, static_cast<int>(heights.all), s + "unset multiplot\n");
+  draw(path, picture_width, static_cast<int>(heights.all), s + "unset multiplot\n");
 }
 
-void plot_sensitivities(const Sensitivities& s, const std::string& title, const std::string& path) {
+void plot_sensitivities(const Sensitivities& s, const PlotText& heading, const std::string& path) {
   const auto modes = static_cast<int>(s.omega.size()),
              parameters = static_cast<int>(s.parameters.size());
   std::vector<std::string> columns, rows;
@@ -105,7 +118,10 @@ void plot_sensitivities(const Sensitivities& s, const std::string& title, const 
   for (const double omega : s.omega)
     rows.push_back(fmt::format("{}: {:.2f} Hz", rows.size() + 1, omega / two_pi));
   std::string text = block_of("map", matrix_rows(s.percent_per_percent, 0));
-  text += fmt::format("set title {}\nset key off\nset tics font ',9' scale 0\n", quoted(title));
+  const int width = 190 + 54 * parameters, height = 280 + 26 * modes;
+  text += titles(heading.title, heading.subtitle, width, height) +
+          fmt::format("set tmargin at screen {:.4f}\nset key off\nset tics font ',9' scale 0\n",
+                      1.0 - 74.0 / height);
   text +=
       fmt::format("set xrange [-0.5:{}.5]\nset yrange [{}.5:-0.5]\n", parameters - 1, modes - 1);
   // to the largest value, so that no colour stands for two
@@ -121,7 +137,7 @@ void plot_sensitivities(const Sensitivities& s, const std::string& title, const 
   text +=
       "plot $map using 1:2:3 with image, $map using 1:2:(abs($3) < 0.005 ? '' : "
       "sprintf('%.2f', $3)) with labels font ',8'\n";
-  draw(path, 190 + 54 * parameters, 250 + 26 * modes, text);
+  draw(path, width, height, text);
 }
 
 }  // namespace hydrapod::report

@@ -82,9 +82,19 @@ std::string family(Limit limit) {
   }
 }
 
-/// "12.3", "1240": three digits without a power of ten.
+/// "12.3", "1240", "3.79·10⁶": three digits, from 100,000 on with a power of ten.
 std::string short_number(double value) {
-  return value >= 1000.0 ? fmt::format("{:.0f}", value) : fmt::format("{:.3g}", value);
+  constexpr double large = 1e5;
+  if (value < 1000.0) return fmt::format("{:.3g}", value);
+  int power = static_cast<int>(std::floor(std::log10(value)));
+  double digits = std::round(value / std::pow(10.0, power - 2));
+  if (digits >= 1000.0) digits = 100.0, ++power;
+  if (value < large) return fmt::format("{:.0f}", digits * std::pow(10.0, power - 2));
+  constexpr std::array superscripts{"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
+  std::string exponent;
+  for (const char c : std::to_string(power))
+    exponent += superscripts.at(static_cast<std::size_t>(c - '0'));
+  return fmt::format("{:.2f}·10{}", digits / 100.0, exponent);
 }
 
 /// Directions from top to bottom; bars are shares of the longest of the three directions.
@@ -192,7 +202,7 @@ void plot_capability(const PoseCheck& check, const PlotText& text, const std::st
              fmt::format("pose {}, from rest, one direction at a time; bars are shares of the "
                          "longest of three directions; {}",
                          check.pose.name, text.subtitle),
-             grid.height());
+             grid.width(), grid.height());
   std::vector<std::string> names(direction_names.rbegin(), direction_names.rend());
   std::string body = "set multiplot\nset xrange [-1.95:1.95]\nset yrange [0.4:6.6]\nunset key\n" +
                      std::string(thin_axes) + "unset xtics\nset ytics nomirror scale 0\n" +

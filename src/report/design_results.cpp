@@ -103,7 +103,7 @@ void plot_trade_off(const study::DesignProblem& problem, const study::DesignResu
     return quoted(fmt::format("{} [{}]", problem.aims[k].name, problem.aims[k].unit));
   };
   std::string script =
-      titles(title, subtitle, height) + thin_axes + thin_grid + block_of("front", front) +
+      titles(title, subtitle, width, height) + thin_axes + thin_grid + block_of("front", front) +
       block_of("best", fmt::format("{:.9g} {:.9g}\n", result.best.aims[0], result.best.aims[1])) +
       at_screen({0.13, 0.97, 1.0 - 96.0 / height, 60.0 / height}) + key_below_titles(height) +
       fmt::format("set xlabel {}\nset ylabel {}\n", axis(0), axis(1)) +
@@ -125,8 +125,8 @@ void plot_design_slices(const study::DesignProblem& problem, const study::Design
                         const std::string& subtitle, const std::string& path) {
   constexpr double decade = 10.0, most = 60.0;  // per cent shown
   const CellGrid grid(slices.size());
-  std::string script = titles(title, subtitle, grid.height()) + thin_axes + thin_grid +
-                       "set multiplot\n" + key_below_titles(grid.height());
+  std::string script = titles(title, subtitle, grid.width(), grid.height()) + thin_axes +
+                       thin_grid + "set multiplot\n" + key_below_titles(grid.height());
   for (std::size_t k = 0; k < slices.size(); ++k) {
     const auto& slice = slices[k];
     const auto& change = problem.changes[k];
@@ -149,7 +149,7 @@ void plot_design_slices(const study::DesignProblem& problem, const study::Design
         block_of(name, rows) + at_screen(grid[k]) +
         fmt::format("{}set logscale x\nset xrange [{:.9g}:{:.9g}]\nset yrange [{}:{}]\n",
                     ratios ? "" : "un", slice.values.front(), slice.values.back(), -most, most) +
-        fmt::format("set xlabel {}\nset ylabel 'to spare, % of the bound' offset 1,0\n",
+        fmt::format("set xlabel {}\nset ylabel 'to spare, % of the bound'\n",
                     quoted(fmt::format("{} [{}]", change.name, change.unit))) +
         fmt::format("set format x '{}'\n", ratios                       ? "%.0s %c"
                                            : slice.values.back() >= 1e5 ? "%.1s %c"
@@ -166,7 +166,7 @@ void plot_design_slices(const study::DesignProblem& problem, const study::Design
       script += fmt::format("{}${} using 1:{} with lines lw 2 lc rgb '{}' title {}",
                             r > 0 ? ", " : "", name, r + 2, line_colours[r % line_colours.size()],
                             quoted(problem.requirements[r].text));
-    script += "\n";
+    script += ", NaN with lines lw 1.5 dt 2 lc rgb '#444444' title 'design'\n";
   }
   draw(path, grid.width(), grid.height(), script + "unset multiplot\n");
 }

@@ -18,23 +18,26 @@ using base::two_pi;
 constexpr double panel = 340.0;     // height of the first and the last [pixels]
 constexpr double panel_top = 62.0;  // its title and legend [pixels]
 constexpr double row_height = 24.0;
+constexpr double heading = 52.0;  // of the picture [pixels]
+constexpr int picture_width = 1000;
 constexpr std::size_t most_rows = 14;
 
 /// From top to bottom, what there is.
 struct Layout {
   double measured{}, ranking{}, curve{};  ///< heights [pixels]
-  [[nodiscard]] double all() const { return measured + ranking + curve; }
+  [[nodiscard]] double all() const { return heading + measured + ranking + curve; }
 };
 
 std::string place(const Layout& layout, double top, double bottom, double left) {
-  return at_screen({left, 0.96, 1.0 - top / layout.all(), 1.0 - bottom / layout.all()});
+  return at_screen(
+      {left, 0.96, 1.0 - (heading + top) / layout.all(), 1.0 - (heading + bottom) / layout.all()});
 }
 
 /// A legend in a line between the title of a panel and its `top` [pixels].
 std::string key_above(const Layout& layout, double top) {
   return fmt::format(
       "set key at screen 0.525,{:.4f} center center horizontal samplen 2.5 font ',9'\n",
-      1.0 - (top - 11.0) / layout.all());
+      1.0 - (heading + top - 11.0) / layout.all());
 }
 
 /// Where the modes of a pose begin: its name below them, and a line between it and the one before.
@@ -54,7 +57,7 @@ std::string pose_marks(const Diagnosis& d, std::size_t first) {
   return s;
 }
 
-std::string measured_panel(const Diagnosis& d, const std::string& machine, const Layout& layout) {
+std::string measured_panel(const Diagnosis& d, const Layout& layout) {
   std::string s = "$m << END\n";
   const bool several =
       std::ranges::any_of(d.modes, [&](const auto& m) { return m.pose != d.modes.front().pose; });
@@ -74,9 +77,8 @@ std::string measured_panel(const Diagnosis& d, const std::string& machine, const
   s += "END\n" + labels;
   s += fmt::format("set xrange [0.4:{}.6]\nset grid ytics back lt 1 lc rgb '#d0d0d0' lw 0.5\n", k);
   s += place(layout, panel_top, (several ? 0.84 : 0.88) * panel, 0.09);
-  s += fmt::format("set title {} offset 0,1\nset ylabel 'Hz'\n",
-                   quoted((machine.empty() ? "Measured" : machine + ": measured") +
-                          ", rigid-leg model, best hypothesis"));
+  s += "set title 'Measured modes, rigid-leg model, best hypothesis' offset 0,1\n"
+       "set ylabel 'Hz'\n";
   double low = d.modes.front().omega, high = low;
   for (const auto& mode : d.modes) {
     low = std::min({low, mode.omega, mode.omega_best});
@@ -88,7 +90,7 @@ std::string measured_panel(const Diagnosis& d, const std::string& machine, const
                                        0.5 * low / two_pi, 1.3 * high / two_pi)
                          : "set yrange [0:*]\n";
   return s +
-         "plot $m using 1:5 with points pt 8 ps 1.3 lw 1.5 lc rgb '#999999' title 'rigid', $m "
+         "plot $m using 1:5 with points pt 8 ps 2.6 lw 1.5 lc rgb '#999999' title 'rigid', $m "
          "using 1:2:3 with yerrorbars pt 6 ps 1.6 lw 1.6 lc rgb '#d55e00' title 'measured (95 %)', "
          "$m using 1:4 with points pt 7 ps 0.7 lc rgb '#0072b2' title 'best hypothesis'\nunset "
          "logscale y\nunset label\nunset arrow\nset title offset 0,0\n";
@@ -117,13 +119,16 @@ std::string ranking_panel(const Diagnosis& d, const Layout& layout) {
   std::vector<std::size_t> shown;
   for (std::size_t k = 0; k < d.hypotheses.size(); ++k)
     if (shown.size() < most_rows - 2 || d.hypotheses[k].causes.empty()) shown.push_back(k);
+  double most = 0.0;
+  for (const auto k : shown) most = std::max(most, d.hypotheses[k].bic - d.best().bic);
   std::string s = "unset ylabel\nunset key\nunset grid\n";
   s += place(layout, layout.measured + 34.0, layout.measured + layout.ranking - 48.0, 0.5);
   s += fmt::format(
-      "set title 'Hypotheses: BIC above the best'\nset yrange [{}.5:0.5]\nset xrange "
-      "[0:*]\n{}set xlabel 'BIC above the best "
-      "(green: equally good)'\nset style fill solid\nset ytics () font ',9'\n$c << END\n",
-      shown.size(), above_tics(d.hypotheses[shown.back()].bic - d.best().bic));
+      "set title 'Hypotheses'\nset yrange [{}.5:0.5]\nset xrange [0:{:.6g}]\n{}set xlabel {}\n"
+      "set style fill solid\nset ytics () font ',9'\n$c << END\n",
+      shown.size(), 1.05 * std::max(above_best(most), above_best(1.0)), above_tics(most),
+      quoted(d.equivalent.size() > 1 ? "BIC above the best (green: equally good)"
+                                     : "BIC above the best"));
   int row = 0;
   for (const auto k : shown) {
     const auto& e = d.hypotheses[k];
@@ -162,8 +167,9 @@ std::string curve_panel(const CaseFile& file, const Layout& layout) {
   s += "END\nset yrange [*:*]\nset xrange [*:*] noextend\nset ytics auto font ',9'\n";
   const double top = layout.measured + layout.ranking;
   s += place(layout, top + panel_top, top + 0.84 * panel, 0.09);
-  s += "set grid back lt 1 lc rgb '#d0d0d0' lw 0.5\nset logscale x\nset xtics format '%.0s %c'\n";
-  s += fmt::format("set xlabel 'stiffness of the guide sleeves{}, N/m'\n",
+  s +=
+      "set grid back lt 1 lc rgb '#d0d0d0' lw 0.5\nset logscale x\nset xtics format '%.0s %cN/m'\n";
+  s += fmt::format("set xlabel 'stiffness of the guide sleeves{}'\n",
                    r.today.softest ? " (stiffest leg)" : "");
   s += fmt::format("set title {} offset 0,1\n",
                    quoted("Required stiffness of the guide sleeves: " + goal_words(file.goal)));
@@ -190,7 +196,7 @@ std::string curve_panel(const CaseFile& file, const Layout& layout) {
 
 }  // namespace
 
-void plot_diagnosis(const CaseFile& file, const std::string& path) {
+void plot_diagnosis(const CaseFile& file, const std::string& state, const std::string& path) {
   Layout layout;
   if (file.diagnosis) {
     layout.measured = panel;
@@ -198,12 +204,16 @@ void plot_diagnosis(const CaseFile& file, const std::string& path) {
     if (rows > 1) layout.ranking = 90.0 + row_height * static_cast<double>(rows);
   }
   if (file.remedy) layout.curve = panel;
-  if (layout.all() == 0.0) layout.curve = panel;
-  std::string s = std::string(thin_axes) + "set multiplot\n";
-  if (layout.measured > 0.0) s += measured_panel(*file.diagnosis, file.machine.name, layout);
+  if (layout.all() == heading) layout.curve = panel;
+  const auto height = static_cast<int>(layout.all());
+  std::string s =
+      std::string(thin_axes) + "set multiplot\n" +
+      titles(file.machine.name.empty() ? "Diagnosis" : file.machine.name + ": diagnosis", state,
+             picture_width, height);
+  if (layout.measured > 0.0) s += measured_panel(*file.diagnosis, layout) + "unset label\n";
   if (layout.ranking > 0.0) s += ranking_panel(*file.diagnosis, layout);
   if (file.remedy) s += curve_panel(file, layout);
-  draw(path, 1000, static_cast<int>(layout.all()), s + "unset multiplot\n");
+  draw(path, picture_width, height, s + "unset multiplot\n");
 }
 
 }  // namespace hydrapod::report

@@ -85,9 +85,9 @@ Json own_legs(const model::MachineFile& file) {
 Json units_of(const model::MachineFile& file) {
   Json json = Json::object();
   for (const auto& given : file.given) {
-    if (given.line == 0) continue;
     const auto path = model::path(file.machine, given.id);
-    const auto unit = model::written_unit(file.text, given.written,
+    // a number that was overridden or fitted has the unit that it had in the file
+    const auto unit = model::written_unit(file.text, given.line == 0 ? path : given.written,
                                           std::string(model::unit(file.machine, given.id)));
     if (!unit.name.empty()) json[path] = {{"name", unit.name}, {"size", unit.size}};
   }

@@ -119,11 +119,52 @@ std::string opened(const std::string& terminal, const std::string& file) {
   return text;
 }
 
-std::string titles(const std::string& title, const std::string& subtitle, int height) {
+namespace {
+
+/// Number of characters of UTF-8.
+std::size_t characters(std::string_view text) {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      text, [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
+}
+
+/// The first `most` characters, at most to the last blank among them.
+std::string_view beginning(std::string_view text, std::size_t most) {
+  std::size_t end = 0, count = 0, blank = 0;
+  for (; end < text.size(); ++end) {
+    if ((static_cast<unsigned char>(text[end]) & 0xC0U) != 0x80U && count++ == most) break;
+    if (text[end] == ' ') blank = end;
+  }
+  return text.substr(0, end == text.size() || blank == 0 ? end : blank);
+}
+
+/// What does not fit ends in "…".
+std::string shortened(std::string_view text, std::size_t most) {
+  return characters(text) <= most ? std::string(text)
+                                  : std::string(beginning(text, most - 1)) + "…";
+}
+
+}  // namespace
+
+std::string titles(const std::string& title, const std::string& subtitle, int width, int height) {
+  constexpr double character = 6.4, small = 5.8, title_character = 9.0;  // mean widths [pixels]
+  const auto fitting = [&](double one) {
+    return static_cast<std::size_t>(std::max(12.0, (width - 20.0) / one));
+  };
+  std::string below = quoted(subtitle);
+  double size = 10.0;
+  if (characters(subtitle) > fitting(character)) {
+    size = 9.0;
+    const auto first = beginning(subtitle, fitting(small));
+    std::string_view rest = std::string_view(subtitle).substr(first.size());
+    rest.remove_prefix(std::min(rest.find_first_not_of(' '), rest.size()));
+    below = quoted(std::string(first));
+    if (!rest.empty()) below += ".\"\\n\"." + quoted(shortened(rest, fitting(small)));
+  }
   return fmt::format(
       "set label 101 {} at screen 0.5,{:.4f} center font ',14'\n"
-      "set label 102 {} at screen 0.5,{:.4f} center font ',10' tc rgb '#444444'\n",
-      quoted(title), 1.0 - 22.0 / height, quoted(subtitle), 1.0 - 46.0 / height);
+      "set label 102 {} at screen 0.5,{:.4f} center font ',{}' tc rgb '#444444'\n",
+      quoted(shortened(title, fitting(title_character))), 1.0 - 22.0 / height, below,
+      1.0 - 46.0 / height, size);
 }
 
 std::string key_below_titles(int height) {
@@ -237,11 +278,14 @@ std::string named_tics(char axis, const std::vector<std::string>& names, int fir
 }
 
 std::string six_lines(const char* name, int first, int step, double width,
-                      const std::array<std::string, 6>& names) {
+                      const std::array<std::string, 6>& names, bool directions) {
   std::vector<std::string> lines;
-  for (std::size_t i = 0; i < names.size(); ++i)
-    lines.push_back(fmt::format("${} using 1:{} with lines lw {} lc rgb '{}' title '{}'", name,
-                                first + step * static_cast<int>(i), width, colours[i], names[i]));
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const char* dashes = directions && (i == 1 || i == 4) ? " dt (7,5)" : "";
+    lines.push_back(fmt::format("${} using 1:{} with lines lw {}{} lc rgb '{}' title '{}'", name,
+                                first + step * static_cast<int>(i), width, dashes, colours[i],
+                                names[i]));
+  }
   return fmt::format("plot {}\n", fmt::join(lines, ", "));
 }
 

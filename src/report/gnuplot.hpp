@@ -29,8 +29,9 @@ std::string opened(const std::string& terminal, const std::string& file);
 inline constexpr const char* thin_axes = "set tics font ',9'\nset border lw 0.8 lc rgb '#444444'\n";
 inline constexpr const char* thin_grid = "set grid xtics ytics back lt 1 lc rgb '#d0d0d0' lw 0.5\n";
 
-/// Title and subtitle at the top of a picture of `height` pixels, as labels 101 and 102.
-std::string titles(const std::string& title, const std::string& subtitle, int height);
+/// Title and subtitle at the top of a picture [pixels], as labels 101 and 102. A long subtitle has
+/// two lines.
+std::string titles(const std::string& title, const std::string& subtitle, int width, int height);
 /// The legend of all plots of a grid, in a line below the titles.
 std::string key_below_titles(int height);
 
@@ -79,9 +80,10 @@ std::string matrix_rows(const Eigen::MatrixXd& values, int first);
 std::string named_tics(char axis, const std::vector<std::string>& names, int first = 1);
 
 /// A plot of six lines over column 1 of `$name`, from column `first` on, every `step` columns, in
-/// colours that are told apart by the colour-blind as well.
+/// colours that are told apart by the colour-blind as well. `directions`: of y and ry the lines are
+/// dashed, since in a symmetric machine those of x and rx lie below them.
 std::string six_lines(const char* name, int first, int step, double width,
-                      const std::array<std::string, 6>& names);
+                      const std::array<std::string, 6>& names, bool directions = false);
 
 /// 20 lg |H|, also of what vanishes.
 double level_db(double magnitude);

@@ -137,6 +137,27 @@ std::string frequency_axis(const FrequencyResponses& r, std::size_t lines) {
                                         : fmt::format("set xrange [{:.9g}:{:.9g}]\n", from, to));
 }
 
+/// From what the output follows: where noise alone is divided by hardly any excitation, quotients
+/// of any size would set the scale.
+std::string magnitude_axis(const FrequencyResponses& r, const Pair& pair, std::size_t lines) {
+  const std::string whole = "set autoscale y\n";
+  if (r.multiple_coherence.size() != r.lines() ||
+      r.averages <= static_cast<double>(r.inputs.size()))
+    return whole;
+  const double least = 0.5 * (1.0 + static_cast<double>(r.inputs.size()) / r.averages);
+  double low = HUGE_VAL, high = -HUGE_VAL;
+  for (std::size_t k = 0; k < lines; ++k) {
+    const double level = level_db(std::abs(r.H[k](pair.output, pair.input)));
+    if (!std::isfinite(level) || !is_coherent(r, k)) continue;
+    if (r.multiple_coherence[k](pair.output) < least) continue;
+    low = std::min(low, level);
+    high = std::max(high, level);
+  }
+  if (!(high > low)) return whole;
+  const double room = std::max(0.08 * (high - low), 1.0);
+  return fmt::format("set yrange [{:.3f}:{:.3f}]\n", low - 2.0 * room, high + room);
+}
+
 /// Magnitude above phase of one entry.
 std::string entry_plots(const FrequencyResponses& r, const Pair& pair, std::size_t index,
                         bool with_fit, const CellPair& cells, const std::string& key) {
@@ -147,7 +168,7 @@ std::string entry_plots(const FrequencyResponses& r, const Pair& pair, std::size
   std::string text = at_screen(cells.magnitude);
   text += fmt::format(
       "set title {} offset 0,-0.6\nset ylabel {} offset 1.2,0\nset format x ''\n"
-      "set xlabel ''\nset ytics autofreq\nset autoscale y\n",
+      "set xlabel ''\nset ytics autofreq\n",
       quoted(out.name + " from " + in.name), quoted("dB re 1 " + unit));
   text += key;
   text += fmt::format(
@@ -161,9 +182,13 @@ std::string entry_plots(const FrequencyResponses& r, const Pair& pair, std::size
   text +=
       "set format x '%g'\nset xlabel 'Hz' offset 0,0.6\nset ylabel 'phase °' offset 1.2,0\n"
       "set ytics 90\nset yrange [-190:190]\n";
-  text += fmt::format("plot $frf using 1:{} with points pt 7 ps 0.15 lc rgb '#0072b2'", first + 3);
+  text += fmt::format("plot $frf using 1:{} with points pt 7 ps 0.25 lc rgb '#0072b2'", first + 3);
   if (with_fit)
-    text += fmt::format(", $frf using 1:{} with lines lw 1 dt 2 lc rgb '#d55e00'", first + 5);
+    // no line from −180° to 180°
+    text += fmt::format(
+        ", last = NaN, $frf using 1:(step = column({0}) - last, last = column({0}), "
+        "abs(step) > 180 ? NaN : last) with lines lw 1 dt 2 lc rgb '#d55e00'",
+        first + 5);
   return text + "\n";
 }
 
@@ -184,18 +209,19 @@ void plot_responses(const FrequencyResponses& r, const identification::ModalMode
   const CellGrid cells(pairs.size());
   std::string script =
       titles(text.title, text.subtitle + shown_of(r, pairs.size()) + shown_lines_text(r, lines),
-             cells.height()) +
+             cells.width(), cells.height()) +
       thin_axes + data_block(r, model, pairs, lines) + "set multiplot\n" + frequency_axis(r, lines);
   for (std::size_t e = 0; e < pairs.size(); ++e)
     script += entry_plots(r, pairs[e], e, model != nullptr, split(cells[e], cells.height()),
-                          e == 0 ? key_below_titles(cells.height()) : "unset key\n");
+                          (e == 0 ? key_below_titles(cells.height()) : "unset key\n") +
+                              magnitude_axis(r, pairs[e], lines));
   draw(path, cells.width(), cells.height(), script + "unset multiplot\n");
 }
 
 namespace {
 
 std::string condition_panel() {
-  return "unset label\nunset key\n" + at_screen({0.08, 0.78, 0.39, 0.09}) +
+  return "unset label\nunset key\n" + at_screen({0.08, 0.97, 0.39, 0.09}) +
          "set format x '%g'\nset xlabel 'Hz'\nset ylabel 'condition of the inputs'\n"
          "set logscale y\nset yrange [0.8:*]\nplot $c using 1:2 with lines lw 1 lc rgb "
          "'#444444'\n";
@@ -229,14 +255,13 @@ void plot_coherence(const FrequencyResponses& r, const PlotText& text, const std
   if (count > most_named)
     lines += ", $c using 1:3 with lines lw 1.4 lc rgb '#0072b2' title 'median'";
   draw(path, width, height,
-       titles(text.title, text.subtitle + shown_lines_text(r, shown), height) + thin_axes +
+       titles(text.title, text.subtitle + shown_lines_text(r, shown), width, height) + thin_axes +
            block_of("c", rows) + "set multiplot\n" + frequency_axis(r, shown) +
-           at_screen({0.08, 0.78, several ? 0.89 : 0.84, several ? 0.42 : 0.14}) +
+           at_screen({0.08, 0.97, several ? 0.86 : 0.79, several ? 0.42 : 0.14}) +
            "set yrange [0:1.02]\nset ylabel 'multiple coherence'\n" +
-           (several ? "set format x ''\n" : "set xlabel 'Hz'\n") +
-           fmt::format("set key at screen 0.79,{} left top Left reverse samplen 2 font ',9'\n",
-                       several ? 0.89 : 0.84) +
-           "plot " + lines + "\n" + (several ? condition_panel() : "") + "unset multiplot\n");
+           (several ? "set format x ''\n" : "set xlabel 'Hz'\n") + key_below_titles(height) +
+           "set key maxcols 8\nplot " + lines + "\n" + (several ? condition_panel() : "") +
+           "unset multiplot\n");
 }
 
 namespace {
@@ -290,12 +315,12 @@ void plot_stabilisation(const identification::Identification& result, const Plot
                         const std::string& path) {
   constexpr int width = 1000, height = 640;
   const auto curves = std::min(result.responses.outputs.size(), result.responses.inputs.size());
-  std::string script = titles(text.title, text.subtitle, height) + thin_axes +
+  std::string script = titles(text.title, text.subtitle, width, height) + thin_axes +
                        chart_blocks(result) + indicator_block(result);
   const int top = result.chart.empty() ? 1 : result.chart.back().order;
   script += fmt::format(
       "{}set xrange [{:.7g}:{:.7g}]\nset yrange [0:{}]\nset y2tics font ',9'\n"
-      "set ytics nomirror\nset xlabel 'Hz' offset 0,0.4\nset ylabel 'model order'\n"
+      "set ytics nomirror\nset xlabel 'Hz' offset 0,0.7\nset ylabel 'model order'\n"
       "set y2label 'mode indicator: singular values of H, dB'\n"
       "set tmargin at screen {:.4f}\nset rmargin at screen 0.92\n"
       "set key outside bottom center horizontal samplen 1.5 font ',9'\n",

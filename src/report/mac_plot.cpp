@@ -24,13 +24,14 @@ struct MacPicture {
 void draw_mac(const MacPicture& picture, const PlotText& text, const std::string& path) {
   const auto rows = static_cast<int>(picture.values.rows()),
              columns = static_cast<int>(picture.values.cols());
-  constexpr int left = 130, right = 120, top = 70, bottom = 110;
+  constexpr int right = 120, top = 80, bottom = 110;
   const int cell = std::clamp(520 / std::max(rows, columns), 22, 70);
-  const int width = std::max(460, left + right + cell * columns);
+  const int width = std::max(640, 130 + right + cell * columns);  // the heading has room
+  const int left = 130 + (width - (130 + right + cell * columns)) / 2;
   const int height = top + bottom + cell * rows;
   const double across = width, up = height;
   std::string script =
-      titles(text.title, text.subtitle, height) + thin_axes +
+      titles(text.title, text.subtitle, width, height) + thin_axes +
       block_of("mac", matrix_rows(picture.values, 1)) +
       at_screen({left / across, (left + cell * columns) / across, 1.0 - top / up, bottom / up});
   script += fmt::format("set xrange [0.5:{}.5]\nset yrange [{}.5:0.5]\n", columns, rows);

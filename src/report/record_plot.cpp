@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "gnuplot.hpp"
 
@@ -14,21 +16,49 @@ namespace {
 
 constexpr std::size_t most_stretches = 800;  // a row is 590 pixels wide
 constexpr int name_band = 18;                // above a row [px]
-constexpr int row_height = 146, picture_width = 1200, top_band = 40, bottom_band = 50;  // [px]
+constexpr int row_height = 146, picture_width = 1200, top_band = 62, bottom_band = 50;  // [px]
 
 double lower(double a, double b) { return std::isnan(a) || b < a ? b : a; }
 double higher(double a, double b) { return std::isnan(a) || b > a ? b : a; }
 
+/// A unit that fits the numbers: "MPa" for those of millions of Pa.
+struct ShownUnit {
+  std::string name{};
+  double size{1.0};
+};
+
+ShownUnit shown_unit(const std::string& unit, double largest) {
+  constexpr std::array prefixable{"Pa", "N", "N m", "m", "V", "A", "m/s", "m/s²", "m/s^2"};
+  constexpr std::array<std::pair<const char*, double>, 5> prefixes{
+      {{"G", 1e9}, {"M", 1e6}, {"k", 1e3}, {"m", 1e-3}, {"µ", 1e-6}}};
+  if (unit.empty()) return {"?"};
+  if (std::ranges::find(prefixable, unit) == prefixable.end()) return {unit};
+  if (!(largest > 0.0) || (largest >= 1.0 && largest < 1e4)) return {unit};
+  for (const auto& [prefix, size] : prefixes)
+    if (largest >= size && (size > 1.0 || largest < 1.0)) return {prefix + unit, size};
+  return {unit};
+}
+
+/// Of the samples of a channel that are drawn.
+double largest_of(const TraceBuilder& traces, std::size_t channel) {
+  double largest = 0.0;
+  for (const auto& stretch : traces.stretches())
+    for (const double value : {stretch.low[channel], stretch.high[channel]})
+      if (std::isfinite(value)) largest = std::max(largest, std::abs(value));
+  return largest;
+}
+
 /// Columns: time, then low and high of every channel shown.
 std::string trace_block(const data::RecordHeader& header, const TraceBuilder& traces,
-                        const std::vector<std::size_t>& shown) {
+                        const std::vector<std::size_t>& shown,
+                        const std::vector<ShownUnit>& units) {
   std::string text;
   const double step = static_cast<double>(traces.samples_per_stretch()) / header.sample_rate;
   for (std::size_t i = 0; i < traces.stretches().size(); ++i) {
     text += fmt::format("{:.9g}", header.start + step * static_cast<double>(i));
-    for (const std::size_t c : shown)
-      text += fmt::format(" {:.6g} {:.6g}", traces.stretches()[i].low[c],
-                          traces.stretches()[i].high[c]);
+    for (std::size_t k = 0; k < shown.size(); ++k)
+      text += fmt::format(" {:.6g} {:.6g}", traces.stretches()[i].low[shown[k]] / units[k].size,
+                          traces.stretches()[i].high[shown[k]] / units[k].size);
     text += '\n';
   }
   return block_of("traces", text);
@@ -55,8 +85,9 @@ std::string spectrum_block(const data::Spectrum& spectrum, const std::vector<std
   return block_of("spectra", text);
 }
 
-std::string row_script(const data::Channel& channel, double top, double bottom, std::size_t row,
-                       bool last, bool whole, const data::Spectrum& spectrum) {
+std::string row_script(const data::Channel& channel, const ShownUnit& shown_as, double top,
+                       double bottom, std::size_t row, bool last, bool whole,
+                       const data::Spectrum& spectrum) {
   const std::string unit = channel.unit.empty() ? "?" : channel.unit;
   std::string text = at_screen({0.11, 0.60, top, bottom}) +
                      fmt::format("set label 2 {} at graph 0,1 offset 0,0.6 left font ',9'\n",
@@ -64,7 +95,7 @@ std::string row_script(const data::Channel& channel, double top, double bottom, 
   text += fmt::format(
       "unset logscale\nset xrange [*:*]\nset xtics autofreq\nset format x '{}'\nset xlabel "
       "'{}'\nset ylabel {}\n",
-      last ? "%g" : "", last ? "s" : "", quoted(unit));
+      last ? "%g" : "", last ? "s" : "", quoted(shown_as.name));
   const std::size_t low = 2 + 2 * row, high = low + 1;
   text += whole ? fmt::format("plot $traces using 1:{} with lines lw 1 lc rgb '#0072b2'\n", low)
                 : fmt::format("plot $traces using 1:{}:{} with filledcurves lc rgb '#0072b2'\n",
@@ -76,6 +107,14 @@ std::string row_script(const data::Channel& channel, double top, double bottom, 
   text += fmt::format("set format x '{}'\nset xlabel '{}'\nset ylabel {}\n", last ? "%g" : "",
                       last ? "Hz" : "", quoted("dB re 1 (" + unit + ")²/Hz"));
   return text + fmt::format("plot $spectra using 1:{} with lines lw 1 lc rgb '#d55e00'\n", 2 + row);
+}
+
+/// What of the record a picture shows, where it is not all.
+std::string shown_channels(const data::RecordHeader& header,
+                           const std::vector<std::size_t>& shown) {
+  return shown.size() == header.channels.size()
+             ? ""
+             : fmt::format("; shown: {} of {} channels", shown.size(), header.channels.size());
 }
 
 }  // namespace
@@ -115,24 +154,26 @@ void TraceBuilder::halve() {
 
 void plot_record(const data::RecordHeader& header, const TraceBuilder& traces,
                  const data::RecordOverview& overview, const std::vector<std::size_t>& shown,
-                 const std::string& path) {
+                 const std::string& subtitle, const std::string& path) {
   const int rows = static_cast<int>(shown.size());
   const int height = rows * row_height + top_band + bottom_band;
-  std::string script = trace_block(header, traces, shown);
+  std::vector<ShownUnit> units;
+  for (const std::size_t c : shown)
+    units.push_back(shown_unit(header.channels[c].unit, largest_of(traces, c)));
+  std::string script = trace_block(header, traces, shown, units);
   if (overview.spectrum.segments > 0) script += spectrum_block(overview.spectrum, shown);
   script += std::string("set multiplot\nunset key\nset datafile missing 'nan'\n") + thin_grid +
             thin_axes +
             "set tics font ',8'\nset ylabel font ',8' offset 1,0\n"
             "set xlabel offset 0,0.6\nset ytics autofreq\nset style fill solid 1.0\n";
-  script += fmt::format("set label 1 {} at screen 0.5,{:.4f} center font ',13'\n",
-                        quoted(header.title.empty() ? path : header.title), 1.0 - 20.0 / height);
+  script += titles(header.title, subtitle + shown_channels(header, shown), picture_width, height);
   for (int row = 0; row < rows; ++row) {
     const double top = 1.0 - static_cast<double>(top_band + name_band + row * row_height) / height;
     const auto k = static_cast<std::size_t>(row);
-    script += row_script(header.channels[shown[k]], top,
+    script += row_script(header.channels[shown[k]], units[k], top,
                          top - static_cast<double>(row_height - name_band - 12) / height, k,
                          row + 1 == rows, traces.samples_per_stretch() == 1, overview.spectrum);
-    script += "unset label 1\n";
+    script += "unset label 101\nunset label 102\n";
   }
   draw(path, picture_width, height, script + "unset multiplot\n");
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numbers>
 #include <set>
@@ -36,29 +37,40 @@ std::vector<int> paired_modes(const SideBySide& result) {
   return {modes.begin(), modes.end()};
 }
 
-/// Columns: place, difference of the frequency and half its interval [%], of the damping ratio
-/// [percentage points].
-std::string difference_rows(const SideBySide& result, const ThingComparison& c,
-                            const std::vector<int>& modes) {
-  std::string rows;
+/// A difference and half its interval, and where it stands.
+struct Bar {
+  double value, half, place{};
+};
+
+/// Differences of the frequencies [%] or of the damping ratios [percentage points].
+std::vector<Bar> bars_of(const SideBySide& result, const ThingComparison& c,
+                         const std::vector<int>& modes, bool of_frequencies) {
+  std::vector<Bar> bars;
+  const auto things = static_cast<double>(result.things.size());
   for (const auto& pair : c.pairs) {
     const auto place = std::ranges::find(modes, pair.first) - modes.begin() + 1;
     const double omega = result.things.front().modes[static_cast<std::size_t>(pair.first)].omega;
-    const double shift = 0.6 * (c.thing - 0.5 * static_cast<double>(result.things.size())) /
-                         static_cast<double>(result.things.size());
-    rows += fmt::format("{:.4f} {:.9g} {:.9g} {:.9g} {:.9g}\n", static_cast<double>(place) + shift,
-                        100.0 * pair.frequency.value / omega,
-                        100.0 * half_interval * pair.frequency.deviation.value_or(0.0) / omega,
-                        100.0 * pair.damping.value,
-                        100.0 * half_interval * pair.damping.deviation.value_or(0.0));
+    const auto& difference = of_frequencies ? pair.frequency : pair.damping;
+    const double scale = 100.0 / (of_frequencies ? omega : 1.0);
+    bars.push_back({scale * difference.value,
+                    scale * half_interval * difference.deviation.value_or(0.0),
+                    static_cast<double>(place) + 0.6 * (c.thing - 0.5 * things) / things});
   }
-  return block_of(fmt::format("d{}", c.thing), rows);
+  return bars;
 }
 
-/// A difference and half its interval.
-struct Bar {
-  double value, half;
-};
+/// Columns: place, difference of the frequency and half its interval, of the damping ratio.
+std::string difference_rows(const SideBySide& result, const ThingComparison& c,
+                            const std::vector<int>& modes) {
+  std::string rows;
+  const auto frequencies = bars_of(result, c, modes, true);
+  const auto dampings = bars_of(result, c, modes, false);
+  for (std::size_t k = 0; k < frequencies.size(); ++k)
+    rows +=
+        fmt::format("{:.4f} {:.9g} {:.9g} {:.9g} {:.9g}\n", frequencies[k].place,
+                    frequencies[k].value, frequencies[k].half, dampings[k].value, dampings[k].half);
+  return block_of(fmt::format("d{}", c.thing), rows);
+}
 
 /// Range of the differences. A bar far longer than most is of a mode that is hardly determined; it
 /// leaves the frame, since all others would be points on a line beside it.
@@ -77,6 +89,24 @@ std::pair<double, double> shown_range(std::vector<Bar> bars) {
   return {low - room, high + 2.5 * room};  // the legend is at the top
 }
 
+/// Arrow heads with half the interval, at the edges that a bar crosses.
+std::string beyond_marks(const std::vector<Bar>& bars, double low, double high,
+                         const char* colour) {
+  std::string text;
+  const double room = 0.03 * (high - low);
+  for (const auto& bar : bars) {
+    const auto mark = [&](double at, int point, double aside) {
+      text += fmt::format(
+          "set label {} at {:.4f},{:.6g} left point pt {} ps 1.2 lc rgb '{}' offset 0.7,{} front "
+          "font ',8' tc rgb '{}'\n",
+          quoted(fmt::format("±{:.3g}", bar.half)), bar.place, at, point, colour, aside, colour);
+    };
+    if (bar.value + bar.half > high) mark(high - room, 9, -0.3);
+    if (bar.value - bar.half < low) mark(low + room, 11, 0.3);
+  }
+  return text;
+}
+
 /// Labels of titles() are drawn by every plot of a page: from the second on they would look bold.
 constexpr const char* titles_drawn = "unset label 101\nunset label 102\n";
 
@@ -89,14 +119,12 @@ std::string difference_panel(const SideBySide& result, const std::vector<int>& m
   const bool of_frequencies = column == 2;
   std::vector<Bar> bars;
   for (const auto& c : result.comparisons)
-    for (const auto& pair : c.pairs) {
-      const auto& difference = of_frequencies ? pair.frequency : pair.damping;
-      const auto& mode = result.things.front().modes[static_cast<std::size_t>(pair.first)];
-      const double scale = 100.0 / (of_frequencies ? mode.omega : 1.0);
-      bars.push_back(
-          {scale * difference.value, scale * half_interval * difference.deviation.value_or(0.0)});
-    }
+    std::ranges::copy(bars_of(result, c, modes, of_frequencies), std::back_inserter(bars));
   const auto [low, high] = shown_range(std::move(bars));
+  std::string beyond;
+  for (const auto& c : result.comparisons)
+    beyond += beyond_marks(bars_of(result, c, modes, of_frequencies), low, high,
+                           colour(static_cast<std::size_t>(c.thing)));
   std::string script = at_screen(cell) +
                        fmt::format(
                            "unset logscale x\nset format x '%g'\nset xrange [0.4:{}.6]\n"
@@ -106,7 +134,8 @@ std::string difference_panel(const SideBySide& result, const std::vector<int>& m
   script += fmt::format(
       "set xtics rotate by 40 right\nset title {} offset 0,-0.5\nset xlabel ''\n"
       "set ylabel ''\nset xzeroaxis lt 1 lc rgb '#888888'\nplot ",
-      quoted(title));
+      quoted(std::string(title) + (beyond.empty() ? "" : " (▲▼ beyond the frame)")));
+  script.insert(script.rfind("plot "), beyond);
   for (std::size_t k = 0; k < result.comparisons.size(); ++k) {
     const auto& c = result.comparisons[k];
     script += fmt::format(
@@ -114,7 +143,7 @@ std::string difference_panel(const SideBySide& result, const std::vector<int>& m
         k == 0 ? "" : ", ", c.thing, column, column + 1, colour(static_cast<std::size_t>(c.thing)),
         quoted(fmt::format("{} − A", letter(static_cast<std::size_t>(c.thing)))));
   }
-  return script + "\nset autoscale y\n" + titles_drawn;
+  return script + "\nset autoscale y\nunset label\n";
 }
 
 /// Names of responses that two things have, in the order of the first thing that has them.
@@ -167,7 +196,7 @@ std::string overlay(const SideBySide& result, const std::string& name, std::size
       const char* comma = magnitudes.empty() ? "" : ", ";
       magnitudes +=
           fmt::format("{}${} using 1:2 {} title {}", comma, block, style, quoted(letter(t)));
-      phases += fmt::format("{}${} using 1:3 with points pt 7 ps 0.15 lc rgb '{}' notitle", comma,
+      phases += fmt::format("{}${} using 1:3 with points pt 7 ps 0.25 lc rgb '{}' notitle", comma,
                             block, colour(t));
     }
   if (magnitudes.empty()) return {};
@@ -201,9 +230,9 @@ void plot_side_by_side(const SideBySide& result, const std::string& path) {
     return std::ranges::any_of(
         comparison.pairs, [](const auto& pair) { return pair.frequency.deviation.has_value(); });
   });
-  std::string script =
-      "set multiplot\n" + std::string(thin_grid) + thin_axes +
-      titles(intervals ? "Side by side, 95 % intervals" : "Side by side", subtitle, cells.height());
+  std::string script = "set multiplot\n" + std::string(thin_grid) + thin_axes +
+                       titles(intervals ? "Side by side, 95 % intervals" : "Side by side", subtitle,
+                              cells.width(), cells.height());
   script += "set key top right font ',9'\n";
   for (const auto& c : result.comparisons) script += difference_rows(result, c, modes);
   if (differences > 0) {

@@ -91,7 +91,7 @@ void plot_simulation(const Simulation& s, const std::string& title, const std::s
   std::string text = data_block(s.trace) + "set multiplot\n" + thin_grid + thin_axes;
   text += "set xlabel 's' offset 0,0.6\nset ylabel offset 1.2,0\n";
   text += fmt::format("set xrange [0:{:.9g}]\n", std::max(s.trace.time.back(), 1e-9));
-  text += titles(title, subtitle, run_height);
+  text += titles(title, subtitle, run_width, run_height);
   for (int i = 0; i < 6; ++i) {
     text += direction_plot(s, i);
     if (i == 0) text += "unset label 101\nunset label 102\n";

@@ -2,11 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-
-#include "gnuplot.hpp"
-
 namespace hydrapod::report {
 
 namespace {
@@ -84,43 +79,6 @@ Json study_json(const study::Problem& problem, const study::Plan& plan,
     json["indices"].push_back(of_output);
   }
   return json;
-}
-
-void plot_field(const Field& field, const std::string& title, const std::string& subtitle,
-                const std::string& path) {
-  constexpr int width = 860, height = 720;
-  std::string rows;
-  for (std::size_t i = 0; i < field.x.size(); ++i) {
-    for (std::size_t j = 0; j < field.y.size(); ++j)
-      rows += fmt::format("{:.9g} {:.9g} {}\n", field.x[i], field.y[j],
-                          std::isfinite(field.values[i * field.y.size() + j])
-                              ? fmt::format("{:.9g}", field.values[i * field.y.size() + j])
-                              : "NaN");
-    rows += '\n';
-  }
-  const auto half_cell = [](const std::vector<double>& at) {
-    return at.size() > 1 ? 0.5 * (at.back() - at.front()) / static_cast<double>(at.size() - 1)
-                         : 0.5;
-  };
-  const double dx = half_cell(field.x), dy = half_cell(field.y);
-  draw(
-      path, width, height,
-      titles(title, subtitle, height) + thin_axes + block_of("field", rows) +
-          fmt::format(
-              "set contour base\nset cntrparam levels auto 12\nset cntrlabel onecolor\n"
-              "unset surface\nset table $lines\nsplot $field using 1:2:3\nunset table\n"
-              "set surface\nset tmargin at screen {:.4f}\nset lmargin at screen 0.11\n"
-              "set rmargin at screen 0.83\nset xlabel {}\nset ylabel {}\nset cblabel {}\n"
-              "set xrange [{:.9g}:{:.9g}]\nset yrange [{:.9g}:{:.9g}]\nunset key\n"
-              "set object 1 rectangle from graph 0,0 to graph 1,1 behind fc rgb '#bbbbbb' fs "
-              "solid noborder\nset palette defined (0 '#0d0887', 0.35 '#9c179e', 0.7 '#ed7953', 1 "
-              "'#f0f921')\nset pm3d map corners2color mean\n"
-              "plot $field using 1:2:3 with image pixels, $lines using 1:2 with lines lw 1 lc rgb "
-              "'#ffffff', $lines using 1:2:(sprintf('%.3g', $3)) every 24::6 with labels font ',8' "
-              "tc rgb '#ffffff'\n",
-              1.0 - 70.0 / height, quoted(field.x_name), quoted(field.y_name), quoted(field.name),
-              field.x.front() - dx, field.x.back() + dx, field.y.front() - dy,
-              field.y.back() + dy));
 }
 
 }  // namespace hydrapod::report

@@ -56,7 +56,7 @@ struct Plane {
 std::string damping_rays(const Plane& plane) {
   constexpr std::array ratios{0.01, 0.02, 0.05, 0.1, 0.2, 0.5};
   constexpr double near = 0.07;  // shares of the picture: labels would overlap
-  std::string text;
+  std::string text = "set style textbox opaque noborder fillcolor rgb '#ffffff' margins 0.5,0.5\n";
   std::complex<double> last{0.0, plane.top};
   for (const double ratio : ratios) {
     const std::complex<double> direction{-ratio, std::sqrt(1.0 - ratio * ratio)};
@@ -67,9 +67,10 @@ std::string damping_rays(const Plane& plane) {
     const bool at_top = end.imag() > (1.0 - 1e-9) * plane.top;
     text += fmt::format(
         "set arrow from 0,0 to {0:.6g},{1:.6g} nohead back lw 0.8 dt 2 lc rgb '#9a9a9a'\n"
-        "set label '{2:g} %' at {0:.6g},{1:.6g} {3} offset {4} font ',9' tc rgb '#6a6a6a' front\n",
+        "set label '{2:g} %' at {0:.6g},{1:.6g} {3} offset {4} font ',9' tc rgb '#5a5a5a' front "
+        "boxed\n",
         end.real(), end.imag(), 100.0 * ratio, at_top ? "center" : "left",
-        at_top ? "0,-0.8" : "0.6,0.6");
+        at_top ? "0,-1.1" : "1.4,1.0");
   }
   return text;
 }
@@ -165,13 +166,13 @@ std::string response_block(const CommandResponse& response) {
 std::string six_curves(int first) {
   std::array<std::string, 6> names;
   std::ranges::copy(spatial::direction_names, names.begin());
-  return six_lines("bode", first, 2, 1.6, names);
+  return six_lines("bode", first, 2, 1.6, names, true);
 }
 
 constexpr int plane_width = 960, plane_height = 760;  // [pixels]
 
 std::string beginning(const std::string& title, const std::string& subtitle) {
-  return std::string(thin_grid) + thin_axes + titles(title, subtitle, plane_height);
+  return std::string(thin_grid) + thin_axes + titles(title, subtitle, plane_width, plane_height);
 }
 
 }  // namespace
@@ -202,7 +203,7 @@ void plot_root_locus(const RootLocus& locus, const std::string& title, const std
            (lines.empty() ? "" : block_of("branches", lines)) +
            (crosses.empty() ? "" : block_of("today", crosses)) + damping_rays(plane) + arrows +
            fmt::format("set tmargin at screen {:.4f}\nset xrange [{:.6g}:{:.6g}]\n"
-                       "set yrange [{:.6g}:{:.6g}]\nset xlabel 'Re 1/s'\nset ylabel 'Im rad/s'\n"
+                       "set yrange [{:.6g}:{:.6g}]\nset xlabel 'Re, 1/s'\nset ylabel 'Im, rad/s'\n"
                        "set cblabel {}\nset cbrange [{:.9g}:{:.9g}]\n"
                        "set palette defined (0 '#0072b2', 0.5 '#e69f00', 1 '#d55e00')\n"
                        "set arrow from 0,{:.6g} to 0,{:.6g} nohead lw 1.2 lc rgb '#444444'\n"

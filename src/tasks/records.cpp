@@ -255,7 +255,10 @@ PlottedRecord plot_record(const RecordOptions& options, const std::string& pictu
   if (traces.stretches().empty()) throw base::ComputationError("the record has no samples to plot");
   data::RecordHeader header = record.header();
   if (header.title.empty()) header.title = record.files().front();
-  report::plot_record(header, traces, overview.result(), shown, picture);
+  report::plot_record(header, traces, overview.result(), shown,
+                      fmt::format("{}; {:.6g} samples a second", fmt::join(record.files(), ", "),
+                                  header.sample_rate),
+                      picture);
   return {.shown = shown.size(), .channels = header.channels.size(), .notes = record.notes()};
 }
 

@@ -66,7 +66,9 @@ Report report_document(const Machine& given, const ReportOptions& options,
       machine.file = diagnosis::file_of(machine.file, d.hypotheses[d.equivalent.front()]);
       machine.file.machine.state = "best hypothesis of the diagnosis: " +
                                    report::hypothesis_name(d, d.hypotheses[d.equivalent.front()]);
-      machine.kind = d.hypotheses[d.equivalent.front()].kind;
+      // with stiff sleeves as rigid legs, the page would show modes and axes up to thousands of Hz
+      const auto& best = d.hypotheses[d.equivalent.front()];
+      machine.kind = best.rigid ? dynamics::ModelKind::rigid : best.kind;
       const int identified = identified_mode(d, found.file.pose);
       if (page.modes.empty() && identified > 0) page.modes = {identified};
       place(machine.file.machine, poses);

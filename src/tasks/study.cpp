@@ -277,6 +277,7 @@ void write_results(const StudyJob& job, const study::Spool& spool, const StudyRu
                 {"pose", job.machine.pose.name},
                 {"model", dynamics::name(job.machine.kind)},
                 {"program", fmt::format("hydrapod {}", base::version)}};
+  if (!options.command.empty()) file.texts["command"] = options.command;
   file.numbers = {{"samples", static_cast<double>(job.plan.samples)},
                   {"seed", static_cast<double>(job.plan.seed)},
                   {"rows_planned", static_cast<double>(job.rows)},

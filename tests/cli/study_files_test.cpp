@@ -11,13 +11,16 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "hydrapod/base/text.hpp"
 #include "support/run_program.hpp"
 
 namespace hydrapod {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 const std::string small_machine =
     test::source_file("models/zhang-jiang-2021-transverse.toml").string();
@@ -196,6 +199,13 @@ TEST_F(StudyFiles, ADistributionHasNoGrid) {
   EXPECT_THAT(grid.err, HasSubstr("platform.mass: error: a grid needs a range or a list"));
 }
 
+/// Of a table, without the comments above it.
+std::ptrdiff_t lines_of(const std::string& table) {
+  const auto lines = base::split(table, "\n");
+  return std::ranges::count_if(
+      lines, [](std::string_view line) { return !line.empty() && !line.starts_with("#"); });
+}
+
 /// The table is read from the rows: it has the digits of the results, and as many rows as they.
 TEST_F(StudyFiles, TheTableHasTheRowsThatWereComputed) {
   ASSERT_EQ(
@@ -203,7 +213,11 @@ TEST_F(StudyFiles, TheTableHasTheRowsThatWereComputed) {
           .exit_code,
       0);
   const auto table = test::read_text(folder / "a.csv");
-  EXPECT_EQ(std::ranges::count(table, '\n'), 131);
+  EXPECT_EQ(lines_of(table), 131);
+  EXPECT_THAT(table, AllOf(HasSubstr(", pose neutral, guide model\n# machine: "),
+                           HasSubstr("# made by: hydrapod montecarlo "), HasSubstr(": sha256 "),
+                           Not(HasSubstr("a.csv"))))
+      << "says which machine it is of and how it was made, not where it went";
   EXPECT_FALSE(fs::exists(folder / "a.csv.part"));
   const auto printed = masses("uniform 800 .. 900 kg", {"--samples", "130", "--csv", "-", "-o",
                                                         "summary.txt", "--threads", "1"});
@@ -242,7 +256,7 @@ TEST_F(StudyFiles, AnInterruptedStudyIsNoSuccess) {
   EXPECT_EQ(interrupted.exit_code, 1);
   EXPECT_THAT(interrupted.err, HasSubstr("error: interrupted after"));
   EXPECT_EQ(test::read_text(folder / "table.csv"), "m,lowest [Hz],x [Hz]\n1,2,3\n");
-  const auto rows = std::ranges::count(test::read_text(folder / "table.csv.part"), '\n') - 1;
+  const auto rows = lines_of(test::read_text(folder / "table.csv.part")) - 1;
   EXPECT_GT(rows, 0);
   EXPECT_LT(rows, 1000000);
   EXPECT_THAT(test::read_text(folder / "summary.json"),

@@ -4,18 +4,18 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdlib>
-#include <filesystem>
 #include <sstream>
 
 #include "hydrapod/report/measured_results.hpp"
 #include "hydrapod/report/model_results.hpp"
 #include "report/gnuplot.hpp"
+#include "support/picture_script.hpp"
 #include "support/run_program.hpp"
 
 namespace hydrapod::report {
 namespace {
 
+using test::script_of;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
@@ -58,20 +58,6 @@ TEST(LogarithmicFrequencies, HaveFourLabelsOrMoreInAnyBand) {
     }
 }
 
-/// What `draw` gives to gnuplot, of which a program of that name keeps a copy.
-template <class Draw>
-std::string script_of(const Draw& draw) {
-  const test::TemporaryFolder folder;
-  const std::string kept = (folder / "kept").string();
-  test::write_text(folder / "gnuplot", "#!/bin/sh\ncp \"$1\" '" + kept + "'\n");
-  std::filesystem::permissions(folder / "gnuplot", std::filesystem::perms::owner_all);
-  const std::string before = std::getenv("PATH");
-  setenv("PATH", (folder.path().string() + ":" + before).c_str(), 1);
-  draw((folder / "picture.svg").string());
-  setenv("PATH", before.c_str(), 1);
-  return test::read_text(kept);
-}
-
 identification::FrequencyResponses responses(Eigen::Index inputs) {
   identification::FrequencyResponses r;
   for (Eigen::Index i = 0; i < inputs; ++i) r.inputs.push_back({.name = "u", .unit = "N"});
@@ -109,8 +95,8 @@ TEST(PicturesOfRecords, NameChannelsBesideTheCurvesAndEndAtTheirLastLine) {
   overview.spectrum = {.frequency = Eigen::VectorXd::LinSpaced(251, 0.0, 250.0),
                        .density = Eigen::MatrixXd::Ones(251, 1),
                        .segments = 3};
-  const auto script =
-      script_of([&](const auto& path) { plot_record(header, traces, overview, {0}, path); });
+  const auto script = script_of(
+      [&](const auto& path) { plot_record(header, traces, overview, {0}, "run.h5", path); });
   EXPECT_THAT(script, AllOf(HasSubstr("unset key\n"), HasSubstr("set label 2 'a1' at graph 0,1"),
                             HasSubstr("set xrange [1:250]\nset xtics (1, 2, 5, 10, 20, 50, 100, "
                                       "200)\n"),
@@ -136,8 +122,8 @@ TEST(PicturesOfRecords, HaveNoMorePointsThanPixels) {
                        .density = Eigen::MatrixXd::Constant(8193, 1, 0.01),
                        .segments = 3};
   overview.spectrum.density(7001, 0) = 10.0;  // a line of its own is not lost
-  const auto script =
-      script_of([&](const auto& path) { plot_record(header, traces, overview, {0}, path); });
+  const auto script = script_of(
+      [&](const auto& path) { plot_record(header, traces, overview, {0}, "run.h5", path); });
   EXPECT_LE(block_in(script, "traces").size(), 800U);
   EXPECT_GE(block_in(script, "traces").size(), 400U);
   const auto spectrum = block_in(script, "spectra");
@@ -183,6 +169,49 @@ TEST(PicturesOfResponses, EndWhereNoiseBegins) {
   r.multiple_coherence.clear();
   EXPECT_THAT(script_of([&](const auto& path) { plot_responses(r, nullptr, {}, path); }),
               HasSubstr("set xrange [1:500]\n"));
+}
+
+// Beyond an excitation noise is divided by noise: quotients 50 dB above all others.
+TEST(PicturesOfResponses, NoiseDoesNotSetTheScale) {
+  auto r = responses(1);
+  r.frequency.clear();
+  r.H.clear();
+  r.multiple_coherence.clear();
+  r.condition.clear();
+  for (int k = 1; k <= 63; ++k) {
+    r.frequency.push_back(k);
+    r.H.emplace_back(Eigen::MatrixXcd::Constant(1, 1, k > 60 ? 300.0 : k == 20 ? 10.0 : 1.0));
+    r.multiple_coherence.emplace_back(Eigen::VectorXd::Constant(1, k <= 60 ? 0.98 : 0.11));
+    r.condition.push_back(1.7);
+  }
+  r.averages = 9.7;
+  const auto draw = [&](const auto& path) { plot_responses(r, nullptr, {}, path); };
+  EXPECT_THAT(script_of(draw), HasSubstr("set yrange [-3.200:21.600]\n"));
+  r.averages = 0.0;  // of a file of another program: nothing is known of noise
+  EXPECT_THAT(script_of(draw), HasSubstr("set autoscale y\n"));
+}
+
+TEST(PicturesOfRecords, HaveUnitsThatFitTheNumbers) {
+  const data::RecordHeader header{.title = "Rig",
+                                  .channels = {{.name = "pressure", .unit = "Pa"},
+                                               {.name = "length", .unit = "m"},
+                                               {.name = "angle", .unit = "rad"},
+                                               {.name = "load", .unit = "N"}},
+                                  .sample_rate = 500.0};
+  TraceBuilder traces(4);
+  data::Samples samples(3, 4);
+  samples.col(0).setConstant(5e6);
+  samples.col(1).setConstant(0.873);
+  samples.col(2).setConstant(1e-3);
+  samples.col(3).setConstant(-812.0);
+  traces.add(samples);
+  const auto script = script_of([&](const auto& path) {
+    plot_record(header, traces, {}, {0, 1, 2, 3}, "run.h5; 500 samples a second", path);
+  });
+  EXPECT_THAT(script, AllOf(HasSubstr("set ylabel 'MPa'"), HasSubstr("set ylabel 'mm'"),
+                            HasSubstr("set ylabel 'rad'"), HasSubstr("set ylabel 'N'"),
+                            HasSubstr("'run.h5; 500 samples a second'"), HasSubstr("'Rig'")));
+  EXPECT_EQ(block_in(script, "traces").front(), "0 5 5 873 873 0.001 0.001 -812 -812");
 }
 
 TEST(Stretches, AreEquallyWideOnTheirAxis) {
@@ -256,6 +285,27 @@ TEST(PicturesOfComparisons, OneModeHardlyDeterminedDoesNotSetTheScale) {
   EXPECT_NEAR(high, 3.96 + 1.0, 0.1);
 }
 
+// It left the frame without any sign, as if it ended there.
+TEST(PicturesOfComparisons, AnIntervalThatLeavesTheFrameIsMarked) {
+  SideBySide both;
+  both.things.resize(2);
+  both.comparisons.push_back({.thing = 1});
+  for (int k = 0; k < 3; ++k) {
+    both.things[0].modes.push_back({.omega = 100.0});
+    both.comparisons[0].pairs.push_back(
+        {.first = k,
+         .second = k,
+         .frequency = {.value = 2.0, .deviation = k == 2 ? 400.0 : 1.0},
+         .damping = {.value = 0.01, .deviation = 0.002}});
+  }
+  const auto draw = [&](const auto& path) { plot_side_by_side(both, path); };
+  const auto script = script_of(draw);
+  EXPECT_THAT(script, AllOf(HasSubstr("set label '±784' at 3.0000,"), HasSubstr("point pt 9"),
+                            HasSubstr("point pt 11"), HasSubstr("(▲▼ beyond the frame)")));
+  both.comparisons[0].pairs[2].frequency.deviation = 1.0;
+  EXPECT_THAT(script_of(draw), Not(HasSubstr("±")));
+}
+
 TEST(PicturesOfCapability, SayWhichMachineTheyAreOf) {
   PoseCheck check;
   check.pose.name = "high";
@@ -272,7 +322,9 @@ TEST(PicturesOfDiagnoses, SayAtWhichPoseAModeWasMeasured) {
   d.hypotheses.resize(1);
   for (const char* pose : {"low", "low", "it's high"})
     d.modes.push_back({.pose = pose, .direction = 1, .omega = 37.0, .omega_best = 38.0});
-  const auto draw = [&](const auto& path) { plot_diagnosis(file, path); };
+  const auto draw = [&](const auto& path) {
+    plot_diagnosis(file, "nominal machine: nominal", path);
+  };
   EXPECT_THAT(script_of(draw),
               AllOf(HasSubstr("set label 'low' at first 1.5, graph 0"),
                     HasSubstr("set label 'it''s high' at first 3.0, graph 0"),

@@ -76,6 +76,13 @@ test('the section says what hydrapod diagnose says', async () => {
   });
 });
 
+test('numbers of hypotheses have the units of the machine file', async () => {
+  await withKeptPage(page_, still, async (page) => {
+    const note = await page.locator('#diagnosis .ranking li .note').first().textContent();
+    assert.match(note, /^legs\.guide_sleeve\.stiffness = 0\.84\d* ± [\d.]+ kN\/mm/);
+  });
+});
+
 test("the present and the required stiffness stand on the curve", async () => {
   await withKeptPage(page_, still, async (page) => {
     const { remedy } = await page.evaluate(() => window.hydrapod.report.diagnosis);

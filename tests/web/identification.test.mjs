@@ -38,6 +38,22 @@ test('six modes are found and paired with the machine', () => {
   assert.equal(found.comparison.pairs.length, 6);
 });
 
+test('the top of the page says what was identified', async () => {
+  await withKeptPage(page_of(), still, async (page) => {
+    const text = await page.locator('#answer .verdict').textContent();
+    const [least, most] = [Math.min, Math.max].map((of) => of(...found.modes.map((mode) => mode.frequency_hz)).toFixed(3));
+    assert.ok(text.startsWith(`Measured: 6 modes, ${least} to ${most} Hz; 6 with a partner in the model`), text);
+  });
+});
+
+test('curves of the mode indicator end at the edge of the chart', async () => {
+  await withKeptPage(page_of(), still, async (page) => {
+    const clip = await page.locator('.chart g[clip-path]').getAttribute('clip-path');
+    assert.equal(clip, 'url(#chart-frame)');
+    assert.equal(await page.locator('.chart g[clip-path] path.indicator').count(), found.indicator.values.length);
+  });
+});
+
 test('the marks of the chart stand where the JSON has the poles', async () => {
   await withKeptPage(page_of(), still, async (page) => {
     const marks = await page.evaluate(() => window.hydrapod.identification.marks());

@@ -120,6 +120,37 @@ test('on paper all sections fit the width, and nothing is folded', async () => {
   });
 });
 
+test('printed tables go on with their heads, and printed pages say what they are of', async () => {
+  await withPage(report(...everything(), '--title', 'A "B" \\\\ </style>'), { ...still, viewport: { width: 1400, height: 900 } }, async (page) => {
+    await calculated(page);
+    await page.evaluate(() => dispatchEvent(new Event('beforeprint')));
+    await page.emulateMedia({ media: 'print' });
+    await page.evaluate(() => (document.getElementById('report').style.width = '688px'));
+    const shown = await page.evaluate(() => ({
+      rule: [...document.styleSheets[0].cssRules].at(-1).cssText,
+      // Chromium repeats no head that has buttons
+      buttons: [...document.querySelectorAll('thead button')].filter((e) => e.checkVisibility()).length,
+      heads: [...document.querySelectorAll('table.modes.sorted thead th')].map((e) => getComputedStyle(e, '::before').content),
+      value: document.querySelector('[data-control="map-value"]').checkVisibility(),
+      tops: [...document.querySelectorAll('.histories > .uplot')].map((e) => Math.round(e.getBoundingClientRect().top)),
+    }));
+    assert.match(shown.rule, /@page.*A \\"B\\" \\\\.* hydrapod \d/);
+    assert.equal(shown.buttons, 0);
+    assert.ok(shown.heads.includes('"Hz"'), shown.heads.join());
+    assert.ok(shown.value, 'which value the map shows');
+    assert.ok(shown.tops.length > 0 && shown.tops[0] === shown.tops[1], 'two diagrams side by side');
+  });
+});
+
+test('what was asked for comes first', async () => {
+  await withPage(report(...everything()), { ...still, viewport: { width: 1400, height: 900 } }, async (page) => {
+    const order = await page.locator('#main > section').evaluateAll((all) => all.map((e) => e.id));
+    const asked = ['diagnosis', 'identification', 'comparison', 'mechanism'];
+    assert.deepEqual(order.filter((id) => asked.includes(id)), asked);
+    assert.ok(order.indexOf('simulation') < order.indexOf('what-if'), order.join());
+  });
+});
+
 /** Contrast of two CSS colours. */
 const contrast = (a, b) => {
   const light = (colour) => {

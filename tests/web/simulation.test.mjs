@@ -51,6 +51,22 @@ test('the machine stands where the run has it, piston and all', async () => {
   });
 });
 
+test('directions that hardly move do not fill their diagrams', async () => {
+  await withKeptPage(report(published, ...command), still, async (page) => {
+    const { spans, motion } = await page.evaluate(() => {
+      const { simulation, report: document } = window.hydrapod;
+      return { spans: [0, 1, 2, 3, 4, 5].map((k) => simulation.span(k)), motion: document.simulation.trace };
+    });
+    const most = Math.max(...[...motion.motion, ...motion.command].flat().map(Math.abs)); // m, rad
+    spans.forEach(([low, high], k) => {
+      const unit = k < 3 ? 1000 : 180 / Math.PI;
+      assert.ok(high - low >= 0.0199 * most * unit, `${k}: ${low} … ${high}`);
+      const all = [...motion.motion[k], ...motion.command[k]].map((value) => value * unit);
+      assert.ok(low < Math.min(...all) && high > Math.max(...all), `the lines of ${k} are whole`);
+    });
+  });
+});
+
 test('the run is that of hydrapod simulate', async () => {
   const expected = json('simulate', published, ...command);
   await withKeptPage(report(published, ...command), still, async (page) => {
@@ -101,7 +117,7 @@ test('out of sight it goes on without pictures but the last one', async () => {
     await page.evaluate(() => document.getElementById('simulation').scrollIntoView());
     const seen = await playThrough(page);
     assert.ok(seen >= 6, `${seen} frames, 0.1 s of the run each at most`);
-    await page.evaluate(() => document.getElementById('mechanism').scrollIntoView());
+    await page.evaluate(() => document.getElementById('about').scrollIntoView());
     const unseen = await playThrough(page);
     assert.ok(unseen >= 1 && unseen <= 2, `${unseen} frames`);
   });

@@ -87,7 +87,8 @@ export function rowsOf(command) {
     env: { ...process.env, PATH: `${dirname(HYDRAPOD_PROGRAM)}${delimiter}${process.env.PATH}` },
   });
   assert.equal(status, 0, stderr);
-  const [head, ...lines] = readFileSync(join(place, 'rows.csv'), 'utf8').trim().split('\n');
+  const text = readFileSync(join(place, 'rows.csv'), 'utf8').trim();
+  const [head, ...lines] = text.split('\n').filter((line) => !line.startsWith('#'));
   const names = head.split(',').map((name) => name.replace(/ \[.*/, ''));
   return lines.map((line) => Object.fromEntries(line.split(',').map((cell, k) => [names[k], cell === '' ? NaN : Number(cell)])));
 }

@@ -56,6 +56,8 @@ export interface SimulationHook {
   showPart(from: number, to: number): void;
   /** Times and lines that a diagram draws now. */
   data(diagram: number): number[][];
+  /** The ends of the value axis of a diagram, in its unit. */
+  span(diagram: number): [number, number];
 }
 
 export interface IdentificationHook {

@@ -28,6 +28,16 @@ function start(): void {
     unfold(false);
   });
   renderSections(state, host);
+  namePages(report);
+}
+
+/** Printed pages say what they are of. The policy of the page allows rules that are added like this. */
+function namePages(report: Report): void {
+  const date = report.reproduction?.date.slice(0, 10) ?? '';
+  const text = [report.title, report.machine.state, `hydrapod ${report.assumptions.hydrapod}`, date].filter(Boolean).join(' · ');
+  const safe = text.replace(/[\\"]/g, '\\$&').replace(/\s+/g, ' ');
+  const rule = `@page { @bottom-left { content: "${safe}"; font: 9pt sans-serif; color: #56616e; } }`;
+  document.styleSheets[0]?.insertRule(rule, document.styleSheets[0].cssRules.length);
 }
 
 try {

@@ -33,6 +33,21 @@ using Clock = std::chrono::steady_clock;
 constexpr std::size_t largest_result = std::size_t{256} << 20U;
 constexpr std::size_t largest_picture = std::size_t{8} << 20U;
 constexpr std::size_t most_messages = 200;
+
+/// Records that were sent are in FOLDER/NUMBER/NAME; who sent them knows the name.
+std::string without_folder(std::string line, const std::string& folder) {
+  if (folder.empty()) return line;
+  const std::string begin = folder + "/";
+  for (auto at = line.find(begin); at != line.npos; at = line.find(begin, at)) {
+    const auto number_end = line.find_first_not_of("0123456789", at + begin.size());
+    if (number_end == line.npos || line[number_end] != '/') {
+      at += begin.size();
+      continue;
+    }
+    line.erase(at, number_end + 1 - at);
+  }
+  return line;
+}
 constexpr std::string_view progress_word = "progress ";
 
 struct Pipe {
@@ -82,7 +97,8 @@ pid_t started(const std::string& program, const std::vector<std::string>& argume
   const pid_t child = ::fork();
   if (child == 0) become(program.c_str(), argv.data(), envp.data(), out, err, parent);
   if (child < 0)
-    throw base::ComputationError(fmt::format("no process could be begun: {}", std::strerror(errno)));
+    throw base::ComputationError(
+        fmt::format("no process could be begun: {}", std::strerror(errno)));
   ::setpgid(child, child);
   return child;
 }
@@ -138,8 +154,8 @@ class Jobs::Work : public std::enable_shared_from_this<Jobs::Work> {
 
   template <class Take>
   void read(asio::posix::stream_descriptor& from, Buffer& buffer, Take take) {
-    from.async_read_some(asio::buffer(buffer), [self = shared_from_this(), &from, &buffer,
-                                                take](Failure failure, std::size_t count) {
+    from.async_read_some(asio::buffer(buffer), [self = shared_from_this(), &from, &buffer, take](
+                                                   Failure failure, std::size_t count) {
       if (failure) {
         Failure ignored;
         from.close(ignored);
@@ -172,7 +188,8 @@ class Jobs::Work : public std::enable_shared_from_this<Jobs::Work> {
   void take_line(std::string_view line) {
     if (!line.starts_with(progress_word)) {
       if (line.empty() || job.messages.size() >= most_messages) return;
-      job.messages.push_back(base::printable(std::string(line), largest_line));
+      job.messages.push_back(
+          base::printable(without_folder(std::string(line), job.plan.folder), largest_line));
       return told_(shared_from_this());
     }
     line.remove_prefix(progress_word.size());
@@ -343,8 +360,8 @@ void Jobs::stop() {
 }
 
 bool Jobs::any_running() const {
-  return std::ranges::any_of(
-      works_, [](const auto& work) { return work->job.state == JobState::running; });
+  return std::ranges::any_of(works_,
+                             [](const auto& work) { return work->job.state == JobState::running; });
 }
 
 }  // namespace hydrapod::studio

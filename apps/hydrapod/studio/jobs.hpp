@@ -3,8 +3,8 @@
 ///
 /// A job is a process. Its result is what it prints (the JSON of `--format json`), its messages are
 /// those of the command line, and a job that crashes takes nothing with it. It reports its progress
-/// as HYDRAPOD_PROGRESS asks (terminal.hpp), ends by SIGINT as after Ctrl-C (what there is is kept),
-/// and does not outlive the studio.
+/// as HYDRAPOD_PROGRESS asks (terminal.hpp), ends by SIGINT as after Ctrl-C (what there is is
+/// kept), and does not outlive the studio.
 
 #include <cstdint>
 #include <deque>
@@ -32,6 +32,7 @@ struct JobPlan {
   std::string picture{};                 ///< SVG that it draws; empty: none
   std::string section{};                 ///< of the page; empty: the result is shown with the job
   std::string output{};                  ///< file that it writes for the user
+  std::string folder{};                  ///< of records that were sent: messages leave it out
   std::vector<JobPlan> then{};           ///< begun when this has a result
 };
 

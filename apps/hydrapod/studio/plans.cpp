@@ -53,12 +53,9 @@ constexpr Field calibrate_fields[] = {{"targets", "--targets", Use::input, true}
                                       {"free", "--free", Use::list, true},
                                       {"priors", "--prior", Use::list},
                                       {"output", "--output", Use::output}};
-constexpr Field rig_fields[] = {{"excite", "--excite", Use::list},
-                                {"entry", "--entry"},
-                                {"duration", "--duration"},
-                                {"averages", "--averages"},
-                                {"seed", "--seed"},
-                                {"output", "-o", Use::output, true}};
+constexpr Field rig_fields[] = {
+    {"excite", "--excite", Use::list}, {"entry", "--entry"}, {"duration", "--duration"},
+    {"averages", "--averages"},        {"seed", "--seed"},   {"output", "-o", Use::output, true}};
 constexpr Field map_fields[] = {{"over", "--over", Use::list, true},
                                 {"value", "--value"},
                                 {"want", "--want", Use::list},
@@ -198,7 +195,8 @@ void add_machine(const Kind& kind, const Json& asked, const OpenMachine& machine
   if (const auto model = machine.model_word(); !model.empty()) words.push_back("--model=" + model);
   const auto pose = asked.value("pose", std::uint64_t{0});
   if (pose >= machine.poses())
-    base::refuse("pose", fmt::format("there is no pose {}; the page has {}", pose, machine.poses()));
+    base::refuse("pose",
+                 fmt::format("there is no pose {}; the page has {}", pose, machine.poses()));
   if (kind.pose) words.push_back("--pose=" + machine.pose(pose));
 }
 
@@ -217,8 +215,7 @@ void add_fields(const Kind& kind, const Json& asked, const PlanContext& context,
     if (field.required && !given.contains(field.name))
       base::refuse(fmt::format("{}: {}", kind.name, field.name), "is missing");
   if (!kind.rows.empty() && plan.output.empty())
-    plan.arguments.push_back(
-        fmt::format("{}={}", kind.rows, context.folder.place_for("rows.h5")));
+    plan.arguments.push_back(fmt::format("{}={}", kind.rows, context.folder.place_for("rows.h5")));
   if (!plan.output.empty() && replace) plan.arguments.emplace_back("--force");
 }
 
@@ -241,7 +238,10 @@ JobPlan job_plan(const Json& asked, const PlanContext& context) {
     base::refuse(base::printable(name),
                  fmt::format("unknown kind of job; expected {}", fmt::join(names, ", ")));
   }
-  JobPlan plan{.kind = name, .title = name, .section = std::string(kind->section)};
+  JobPlan plan{.kind = name,
+               .title = name,
+               .section = std::string(kind->section),
+               .folder = context.folder.path()};
   add_machine(*kind, asked, context.machine, plan);
   add_fields(*kind, asked, context, plan);
   if (kind->json) plan.arguments.emplace_back("--format=json");

@@ -76,7 +76,7 @@ inline constexpr std::size_t most_plotted_channels = 24;
 /// base::InputError, base::ComputationError as plot_bode does.
 void plot_record(const data::RecordHeader& header, const TraceBuilder& traces,
                  const data::RecordOverview& overview, const std::vector<std::size_t>& shown,
-                 const std::string& path);
+                 const std::string& subtitle, const std::string& path);
 
 /// What was compared with what.
 struct ComparedModes {
@@ -255,7 +255,7 @@ void plot_calibration(const calibration::Calibration& result, const observation:
                       const PlotText& text, const std::string& path);
 
 /// Heat map: modes downwards, parameters across, colour and number in per cent per per cent.
-void plot_sensitivities(const calibration::Sensitivities& sensitivities, const std::string& title,
+void plot_sensitivities(const calibration::Sensitivities& sensitivities, const PlotText& heading,
                         const std::string& path);
 
 /// "0.841 ± 0.012 MN/m", "1.23 GPa" (deviation 0 or not finite), "14.2 ± 0.3 t"; as many digits as
@@ -307,8 +307,9 @@ Json diagnosis_json(const diagnosis::CaseFile& file);
 diagnosis::CaseFile diagnosis_from_json(const Json& json, const std::string& file);
 
 /// Measured beside rigid and best hypothesis, ranking, frequency against stiffness; what there is
-/// of these. Throws as report's other pictures do.
-void plot_diagnosis(const diagnosis::CaseFile& file, const std::string& path);
+/// of these. `state`: of the machine that was asked about. Throws as report's other pictures do.
+void plot_diagnosis(const diagnosis::CaseFile& file, const std::string& state,
+                    const std::string& path);
 
 /// What `hydrapod compare` sets side by side: modes and, where they are known, responses.
 struct ComparedThing {

@@ -361,6 +361,9 @@ struct Field {
   std::vector<double> x{}, y{};
   std::string name{};  ///< of the value, with its unit
   std::vector<double> values{};
+  /// Of a requirement for this value; its contour is drawn, and named by the text.
+  std::optional<double> bound{};
+  std::string bound_text{};
 };
 
 /// Heat map with contours; where there is no value the plane is grey.

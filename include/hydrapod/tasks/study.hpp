@@ -51,7 +51,8 @@ struct StudyJob {
 StudyJob prepare_study(const Machine& machine, const StudyOptions& options);
 
 struct StudyRunOptions {
-  std::string output{};  ///< HDF5 file; rows are kept beside it until they are complete
+  std::string output{};   ///< HDF5 file; rows are kept beside it until they are complete
+  std::string command{};  ///< that makes the same study again; the file says it
   bool resume{};
   bool replace_rows{true};     ///< of an interrupted run that is not gone on with; else an error
   bool replace_results{true};  ///< those of another study; else an error

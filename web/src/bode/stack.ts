@@ -26,7 +26,7 @@ export function fitWidth(plots: uPlot[], width: number): void {
 }
 
 /** Of the text on A4 with the margins of print.css [px]. */
-const paper = 680;
+export const paper = 680;
 
 /** The diagrams in `element` have its width, or on paper that of the paper. */
 export function followWidth(element: HTMLElement, plots: () => uPlot[]): void {

@@ -161,11 +161,15 @@ export class Chart {
     const top = margin.top + 8;
     const bottom = height - margin.bottom - 4;
     const y = (value: number) => bottom - ((bottom - top) * (value - low)) / (high - low);
+    // the smaller values are mostly noise: the curves may end at the lower edge
+    const frame = svg('rect', { x: margin.left, y: margin.top, width: this.width - margin.left - margin.right, height: height - margin.top - margin.bottom });
+    const curves = svg('g', { 'clip-path': 'url(#chart-frame)' });
+    this.picture.append(svg('clipPath', { id: 'chart-frame' }, frame), curves);
     dB.forEach((row, s) => {
       const path = row
-        .map((v, k) => `${k ? 'L' : 'M'}${this.x(frequency_hz[k]).toFixed(1)} ${Math.min(bottom, y(v)).toFixed(1)}`)
+        .map((v, k) => `${k ? 'L' : 'M'}${this.x(frequency_hz[k]).toFixed(1)} ${y(v).toFixed(1)}`)
         .join('');
-      this.picture.append(
+      curves.append(
         svg('path', { class: 'indicator', d: path, fill: 'none', stroke, 'stroke-width': s ? 0.8 : 1.4 }),
       );
     });

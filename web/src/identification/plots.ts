@@ -8,14 +8,14 @@ import { magnitude, phase, type Complex } from '../complex';
 import { palette, type Palette } from '../palette';
 import type { Identification } from './types';
 
-/** Phases [°], none where they jump by a turn: the line breaks there. */
-const unbroken = (phases: (number | null)[]): (number | null)[] =>
-  phases.map((value, k) => {
-    const before = phases[k - 1];
-    return value !== null && before !== null && k > 0 && Math.abs(value - (before as number)) > 180
-      ? null
-      : value;
-  });
+/** Phases [°], none on both sides of a jump by a turn: the line breaks there, by more than a pixel. */
+function unbroken(phases: (number | null)[]): (number | null)[] {
+  const jumps = (k: number) => {
+    const [before, value] = [phases[k - 1] ?? null, phases[k] ?? null];
+    return before !== null && value !== null && Math.abs(value - before) > 180;
+  };
+  return phases.map((value, k) => (jumps(k) || jumps(k + 1) ? null : value));
+}
 
 /** "m/N", "rad/(N m)" */
 function unitText(output: string, input: string): string {

@@ -4,7 +4,7 @@
 import { energyParts, stackedBar } from '../bars';
 import { Prediction } from '../diagnosis/prediction';
 import { StiffnessPicture, stiffnessWords } from '../diagnosis/stiffness';
-import type { Diagnosis, DiagnosedMode, Hypothesis } from '../document';
+import type { Diagnosis, DiagnosedMode, Editable, Hypothesis } from '../document';
 import { button, html } from '../dom';
 import { hertz, plain, raised, signedPercent, withInterval } from '../numbers';
 import type { State } from '../state';
@@ -30,6 +30,8 @@ function shownMode(state: State, mode: DiagnosedMode): number {
       best = candidate;
   return best?.number ?? 1;
 }
+
+type Units = Editable['units'];
 
 const cell = (text: string) => html('td', {}, text);
 
@@ -84,14 +86,14 @@ function estimate(value: number, deviation: number | null): string {
   return exponent === 0 ? text : `(${text})·10${raised(exponent)}`;
 }
 
-const values = (e: Hypothesis): string =>
+/** In the unit that the machine file has there. */
+const values = (e: Hypothesis, units: Units): string =>
   e.parameters
-    .map(
-      (p) =>
-        `${p.paths.join(', ')} = ${estimate(p.value, p.deviation)}` +
-        ` ${p.unit === '1' ? '' : p.unit}` +
-        (p.at_bound ? ' (at its bound)' : ''),
-    )
+    .map((p) => {
+      const { name, size } = units[p.paths[0] ?? ''] ?? { name: p.unit === '1' ? '' : p.unit, size: 1 };
+      const number = estimate(p.value / size, p.deviation === null ? null : p.deviation / size);
+      return `${p.paths.join(', ')} = ${number} ${name}`.trimEnd() + (p.at_bound ? ' (at its bound)' : '');
+    })
     .join('; ');
 
 /** The first `count` of a list, the others folded. */
@@ -106,7 +108,7 @@ function folded(items: HTMLElement[], count: number, list: (part: HTMLElement[],
  * A bar per hypothesis; its length is the logarithm of its BIC above the best. The buttons show predictions;
  * `mark` marks the one that is shown.
  */
-function ranking(found: Diagnosis, show: (hypothesis: number) => void): { parts: HTMLElement[]; mark: (hypothesis: number) => void } {
+function ranking(found: Diagnosis, units: Units, show: (hypothesis: number) => void): { parts: HTMLElement[]; mark: (hypothesis: number) => void } {
   const hypotheses = found.hypotheses ?? [];
   const shown = hypotheses.filter((e, k) => k < 12 || e.causes.length === 0);
   const length = (e: Hypothesis) => Math.log10(1 + Math.max(0, e.bic_above_best));
@@ -131,7 +133,7 @@ function ranking(found: Diagnosis, show: (hypothesis: number) => void): { parts:
         ` (${e.equally_good ? `${worse}, explains the data equally well` : worse})`,
         showButton,
         html('div', { class: 'track', 'aria-hidden': 'true' }, bar),
-        html('span', { class: 'note' }, [values(e), e.contradictions[0] ?? ''].filter(Boolean).join(' — ')),
+        html('span', { class: 'note' }, [values(e, units), e.contradictions[0] ?? ''].filter(Boolean).join(' — ')),
       );
     }),
     Math.max(3, shown.filter((e) => e.equally_good).length),
@@ -158,7 +160,7 @@ function render(state: State, host: HTMLElement): void {
     left.append(measuredTable(state, found));
   if (found.hypotheses && found.hypotheses.length > 1) {
     const prediction = new Prediction(found);
-    const { parts, mark } = ranking(found, (hypothesis) => prediction.show(hypothesis));
+    const { parts, mark } = ranking(found, state.report.editable?.units ?? {}, (hypothesis) => prediction.show(hypothesis));
     prediction.onShow = mark;
     prediction.show(0);
     state.listen((change) => change === 'theme' && prediction.draw());

@@ -6,6 +6,7 @@ import { fixed, hertz, share, signedPercent } from '../numbers';
 import { theme, type Theme } from '../palette';
 import type { State } from '../state';
 import { energyParts, stackedBar } from '../bars';
+import { identifiedWords } from '../identification/words';
 import type { Section } from './section';
 
 const modelNames = {
@@ -59,9 +60,10 @@ export function header(state: State, sections: Section[], page: HTMLElement): vo
   show();
 }
 
-/** What a diagnosis found stands above what was calculated. */
+/** What a diagnosis, an identification or a comparison found stands above what was calculated. */
 function verdict(report: Report): HTMLElement[] {
-  const found = report.diagnosis?.summary[0];
+  const { diagnosis, identification, comparison } = report;
+  const found = diagnosis?.summary[0] ?? (identification ? identifiedWords(identification) : comparison?.comparisons[0]?.verdict);
   return found ? [html('p', { class: 'words verdict' }, html('strong', {}, found))] : [];
 }
 

@@ -24,17 +24,17 @@ import { workspace } from './workspace';
 export const sections: Section[] = [
   studio,
   diagnosis,
+  identification,
   comparison,
   mechanism,
   modes,
   pictures,
+  simulation,
   whatIf,
   workspace,
   check,
   scatter,
   bode,
-  simulation,
-  identification,
   about,
 ];
 

@@ -167,6 +167,7 @@ function offerHook(player: Run, view: View, times: number[], histories: Historie
     view: () => histories.view,
     showPart: (from, to) => histories.show(from, to),
     data: (diagram) => histories.data(diagram),
+    span: (diagram) => histories.span(diagram),
     jointPositions: (leg) => view.readPoints('flexible', leg - 1),
   };
 }

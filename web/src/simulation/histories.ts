@@ -2,7 +2,7 @@
 // the machine is shown at.
 
 import uPlot from 'uplot';
-import { fitWidth } from '../bode/stack';
+import { fitWidth, paper } from '../bode/stack';
 import { directions, type Simulation } from '../document';
 import { button, controlRow, describeCanvas, html } from '../dom';
 import { fixed, significant } from '../numbers';
@@ -15,9 +15,17 @@ interface Diagram {
   title: string;
   unit: string;
   lines: { label: string; line: Line; dashed?: boolean; colour?: string }[];
+  /** Room above and below the lines at least: small motions stay small beside the others. */
+  room?: number;
 }
 
-function diagrams({ trace }: Simulation): Diagram[] {
+/** A hundredth of the largest motion of the platform; a metre counts as a radian. */
+const leastRoom = ({ trace }: Simulation): number =>
+  0.01 * [...trace.command, ...trace.motion].reduce((most, values) => values.reduce((a, b) => Math.max(a, Math.abs(b)), most), 1e-7);
+
+function diagrams(run: Simulation): Diagram[] {
+  const { trace } = run;
+  const room = leastRoom(run);
   const scaled = (values: number[], factor: number) => new Line(Float64Array.from(values, (v) => v * factor));
   const platform = directions.map((direction, i): Diagram => {
     const turns = i > 2;
@@ -25,6 +33,7 @@ function diagrams({ trace }: Simulation): Diagram[] {
     return {
       title: direction,
       unit: turns ? '°' : 'mm',
+      room: factor * room,
       lines: [
         { label: 'commanded', line: scaled(trace.command[i], factor), dashed: true },
         { label: 'platform', line: scaled(trace.motion[i], factor) },
@@ -46,6 +55,11 @@ function diagrams({ trace }: Simulation): Diagram[] {
     perLeg('drives', '%', 100, trace.drive),
     ...actuators,
   ];
+}
+
+function withRoom(low: number, high: number, least: number): [number, number] {
+  const room = Math.max(0.08 * (high - low), least);
+  return [low - room, high + room];
 }
 
 /** Width of what is between the axes [px], without a layout of the page. */
@@ -71,6 +85,7 @@ export class Histories {
   private from: number;
   private to: number;
   private now = 0;
+  private printed = false;
   /** The points in the diagrams are pairs of lowest and highest values. */
   private banded = false;
   /** Where the last drag began. */
@@ -84,10 +99,16 @@ export class Histories {
     [this.from, this.to] = this.whole;
     this.element.append(this.tools(), this.grid);
     this.make();
-    new ResizeObserver(() => {
+    const fit = () => {
       fitWidth(this.drawn.map(({ plot }) => plot), this.width());
       this.fill();
-    }).observe(this.grid);
+    };
+    new ResizeObserver(fit).observe(this.grid);
+    for (const event of ['beforeprint', 'afterprint'])
+      addEventListener(event, () => {
+        this.printed = event === 'beforeprint';
+        fit();
+      });
   }
 
   get view(): [number, number] {
@@ -122,6 +143,12 @@ export class Histories {
     return this.drawn[diagram].plot.data.map((values) => Array.from(values as ArrayLike<number>));
   }
 
+  /** The value axis of a diagram. */
+  span(diagram: number): [number, number] {
+    const { min, max } = this.drawn[diagram].plot.scales.y;
+    return [min ?? 0, max ?? 0];
+  }
+
   make(): void {
     for (const { plot } of this.drawn) plot.destroy();
     this.drawn = this.diagrams.map((diagram) => {
@@ -135,7 +162,7 @@ export class Histories {
   }
 
   private width(): number {
-    const room = this.grid.clientWidth || 900;
+    const room = this.printed ? paper : this.grid.clientWidth || 900;
     const number = this.diagrams.length;
     let columns = Math.max(1, Math.min(number, Math.floor(room / 240)));
     while (number % columns > 0) --columns; // no row is shorter than the others
@@ -203,7 +230,10 @@ export class Histories {
           },
         },
         hooks: { setSelect: [(u) => this.zoomTo(u)] },
-        scales: { x: { time: false, auto: false, min: this.from, max: this.to } },
+        scales: {
+          x: { time: false, auto: false, min: this.from, max: this.to },
+          ...(diagram.room ? { y: { range: (_: uPlot, low: number | null, high: number | null) => withRoom(low ?? 0, high ?? 0, diagram.room!) } } : {}),
+        },
         axes: [
           { ...axis, label: 's', size: 36 },
           { ...axis, label: diagram.unit, size: 56, values: (_, splits) => splits.map((value) => significant(value, 3)) },

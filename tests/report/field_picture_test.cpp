@@ -1,0 +1,127 @@
+/// Heat maps: contours with labels that can be read, and the bound of a requirement.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <random>
+#include <sstream>
+#include <vector>
+
+#include "hydrapod/report/model_results.hpp"
+#include "report/gnuplot.hpp"
+#include "support/picture_script.hpp"
+
+namespace hydrapod::report {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+template <class Value>
+Field field(int cells, const Value& value) {
+  Field f{.x_name = "x [mm]", .y_name = "z [mm]", .name = "lowest [Hz]"};
+  for (int k = 0; k < cells; ++k) {
+    f.x.push_back(-100.0 + 200.0 * k / (cells - 1));
+    f.y.push_back(-50.0 + 100.0 * k / (cells - 1));
+  }
+  for (const double x : f.x)
+    for (const double y : f.y) f.values.push_back(value(x, y));
+  return f;
+}
+
+std::string script_for(const Field& f) {
+  return test::script_of([&](const auto& path) { plot_field(f, "Machine", "nominal", path); });
+}
+
+struct Label {
+  double level, x, y;  ///< place [pixels]
+};
+
+std::vector<Label> labels_in(const std::string& script) {
+  std::vector<Label> labels;
+  std::istringstream lines(script);
+  for (std::string line; std::getline(lines, line);) {
+    Label label{};
+    if (line.find("boxed") == std::string::npos) continue;
+    if (std::sscanf(line.c_str(), "set label '%lf' at screen %lf,%lf", &label.level, &label.x,
+                    &label.y) != 3)
+      continue;
+    label.x *= 860.0;
+    label.y *= 720.0;
+    labels.push_back(label);
+  }
+  return labels;
+}
+
+void expect_apart(const std::vector<Label>& labels) {
+  for (std::size_t a = 0; a < labels.size(); ++a)
+    for (std::size_t b = a + 1; b < labels.size(); ++b)
+      EXPECT_TRUE(std::abs(labels[a].x - labels[b].x) > 40.0 ||
+                  std::abs(labels[a].y - labels[b].y) > 18.0)
+          << labels[a].level << " and " << labels[b].level;
+}
+
+// On a grid of 7 × 7 most contours had no label.
+TEST(HeatMaps, EachContourHasItsNumberOnACoarseGrid) {
+  const auto labels = labels_in(script_for(field(7, [](double x, double) { return 0.04 * x; })));
+  std::map<double, int> count;
+  for (const auto& label : labels) ++count[label.level];
+  EXPECT_EQ(count.size(), 7U) << "−3 … 3 Hz";
+  EXPECT_TRUE(count.contains(-3.0) && count.contains(0.0) && count.contains(3.0));
+  expect_apart(labels);
+}
+
+// Numbers were written over each other where contours are close together.
+TEST(HeatMaps, NumbersDoNotTouchWhereContoursDo) {
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> anywhere(4.0, 8.0);
+  const auto labels =
+      labels_in(script_for(field(21, [&](double, double) { return anywhere(random); })));
+  EXPECT_GE(labels.size(), 7U);
+  expect_apart(labels);
+}
+
+TEST(HeatMaps, TheNumberStandsOnItsContour) {
+  for (const auto& label :
+       labels_in(script_for(field(7, [](double x, double) { return 0.04 * x; })))) {
+    // the frame goes from 95 to 714 pixels, for x from −116.7 to 116.7 mm
+    const double x = -116.667 + (label.x - 95.0) / (714.0 - 95.0) * 233.333;
+    EXPECT_NEAR(0.04 * x, label.level, 0.01);
+  }
+}
+
+TEST(HeatMaps, ShowTheBoundOfARequirement) {
+  auto f = field(9, [](double x, double) { return 5.0 + 0.01 * x; });
+  EXPECT_THAT(script_for(f), Not(HasSubstr("$bound")));
+  f.bound = 5.3;
+  f.bound_text = "lowest >= 5.3 Hz";
+  const auto script = script_for(f);
+  EXPECT_THAT(script, HasSubstr("set cntrparam levels discrete 5.3\nset table $bound\n"));
+  EXPECT_THAT(script, HasSubstr("title 'bound of lowest >= 5.3 Hz'"));
+  f.bound = 9.0;  // nowhere
+  EXPECT_THAT(script_for(f), Not(HasSubstr("$bound")));
+}
+
+TEST(HeatMaps, OfOneValueHaveNoContours) {
+  const auto script = script_for(field(5, [](double, double) { return 3.0; }));
+  EXPECT_THAT(script, Not(HasSubstr("$lines")));
+  EXPECT_THAT(script, HasSubstr("with image"));
+}
+
+TEST(Titles, LongSubtitlesHaveTwoLinesAndNoLineIsCutByTheEdge) {
+  const std::string words(
+      "6 inputs, 6 outputs, 255 lines from 0.9766 Hz to 62.99 Hz, h1 with 26.6 independent "
+      "averages");
+  EXPECT_THAT(titles("T", words, 1300, 600), HasSubstr("'" + words + "'"));
+  EXPECT_THAT(titles("T", words, 460, 600), HasSubstr("'.\"\\n\".'"));
+  std::string longer;
+  for (int k = 0; k < 9; ++k) longer += words + "; ";
+  EXPECT_THAT(titles("T", longer, 460, 600), HasSubstr("…'"));
+  EXPECT_THAT(titles(longer, "", 460, 600), HasSubstr("…'"));
+  EXPECT_THAT(titles("T", "ä", 460, 600), HasSubstr("'ä'"));
+}
+
+}  // namespace
+}  // namespace hydrapod::report
