@@ -44,6 +44,8 @@ struct Arguments {
 };
 
 /// A frequency: a number in Hz, or a quantity ("30 rad/s", "2 kHz"), in rad/s.
+constexpr double highest_frequency = 1e9;  // [Hz], far beyond any mechanism
+
 std::optional<double> frequency(const std::string& option, const std::string& text) {
   if (text.empty()) return {};
   const auto in_hertz = base::read_plain_or_quantity(text, "Hz");
@@ -51,6 +53,9 @@ std::optional<double> frequency(const std::string& option, const std::string& te
   if (!in_hertz.ok() && !in_radians.ok()) base::refuse(option + " " + text, in_hertz.problem);
   const double value = in_hertz.ok() ? two_pi * in_hertz.value : in_radians.value;
   if (!(value > 0.0)) base::refuse(option + " " + text, "a frequency must be positive");
+  if (!(value <= two_pi * highest_frequency))
+    base::refuse(option + " " + text,
+                 fmt::format("expected a frequency up to {:g} Hz", highest_frequency));
   return value;
 }
 

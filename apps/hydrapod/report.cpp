@@ -72,8 +72,14 @@ tasks::ReportOptions options_of(const Arguments& a, const tasks::Machine& machin
     if (!a.until.empty())
       simulation.until = positive_quantity("--until", a.until, "s", "expected a time above 0");
   }
-  if (!a.identification.measurement.files.empty())
-    options.identification = identify_options(a.identification);
+  const auto& record = a.identification;
+  if (!record.measurement.files.empty()) {
+    options.identification = identify_options(record);
+  } else {
+    if (!record.from.empty()) base::refuse("--from " + record.from, "needs --measured");
+    if (!record.to.empty()) base::refuse("--to " + record.to, "needs --measured");
+    if (record.measurement.from_drive) base::refuse("--from-drive", "needs --measured");
+  }
   if (!a.diagnosis.measured.empty()) {
     options.diagnosis = diagnose_options(a.diagnosis, machine.file.machine);
     options.diagnosis->measured.observed = observed_system(a.identification.against, "none");

@@ -33,7 +33,7 @@ struct Arguments {
 
 tasks::Varied varied(const std::string& option, const std::string& text) {
   const auto at = text.find('=');
-  const std::string place = fmt::format("{} \"{}\"", option, text);
+  const std::string place = fmt::format("{} \"{}\"", option, base::printable(text, 100));
   if (at == std::string::npos || at == 0)
     base::refuse(place, option == "--vary" ? "expected PATH=DISTRIBUTION, for instance "
                                              "legs.guide_sleeve.stiffness=\"normal ± 10 %\""

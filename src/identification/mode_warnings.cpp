@@ -17,11 +17,14 @@ std::optional<double> block_duration(const FrequencyResponses& r) {
   const bool of_outputs = r.estimator == data::Estimator::half_spectra;
   if (r.whole && !of_outputs) return {};
   // on the shifted axis, and of half spectra, every second line is kept
-  if (r.shift > 0.0 || of_outputs) {
+  const bool every_second = r.shift > 0.0 || of_outputs;
+  // lines of periods err alone
+  const bool of_blocks = r.averages > 0.0 && r.line_covariance.size() > 1;
+  if (every_second || (r.estimator == data::Estimator::instrumental && of_blocks)) {
     double spacing = r.frequency[1] - r.frequency[0];
     for (std::size_t k = 2; k < r.lines(); ++k)
       spacing = std::min(spacing, r.frequency[k] - r.frequency[k - 1]);
-    return 2.0 / spacing;
+    return (every_second ? 2.0 : 1.0) / spacing;
   }
   if (r.taper.size() == 0) return {};
   return static_cast<double>(r.taper.size()) / r.sample_rate;
@@ -42,7 +45,8 @@ void warn_of_short_blocks(const IdentifyOptions& options, Identification& result
   }
   if (warning.count == 0) return;
   // where that is so of most modes, others may be hidden in those that look wide
-  if (result.responses.shift > 0.0 && 2 * warning.count >= warning.total)
+  if (result.responses.estimator == data::Estimator::instrumental &&
+      2 * warning.count >= warning.total)
     for (auto& mode : result.modes)
       mode.explained = std::min(mode.explained, warning.to * *duration / options.fewest_lines_wide);
   result.warnings.push_back(std::move(warning));

@@ -24,8 +24,9 @@ PoleBasis::PoleBasis(const FrequencyResponses& responses, bool taper)
     line_.push_back(line % taper_.size());  // the transform repeats
   }
   taper_ /= sample_rate_;
-  if (taper_.size() % 2 == 0)
-    fft_ = std::make_unique<numerics::RealFft>(static_cast<int>(taper_.size()));
+  if constexpr (numerics::side_by_side)
+    if (taper_.size() % 2 == 0)
+      fft_ = std::make_shared<numerics::RealFft>(static_cast<int>(taper_.size()));
 }
 
 PoleLines PoleBasis::at(Complex pole) const {
@@ -44,26 +45,34 @@ PoleLines PoleBasis::at(Complex pole) const {
   return lines;
 }
 
-/// Transforms of the columns times the taper, to half the sample rate. Files may have an odd
-/// length.
+/// Transforms of the columns, an even number, times the taper, to half the sample rate.
 MatrixXcd PoleBasis::tapered(const numerics::RealFft::Block& series) const {
   const Index n = series.rows(), half = n / 2 + 1, columns = series.cols();
   MatrixXcd X(half, columns);
-  if (fft_ == nullptr) {
-    for (Index c = 0; c < columns; ++c) {
-      const VectorXcd x = taper_.cwiseProduct(series.col(c)).cast<Complex>();
-      X.col(c) = VectorXcd::Map(numerics::complex_fft({x.begin(), x.end()}).data(), half);
+  if constexpr (numerics::side_by_side)
+    if (fft_ != nullptr) {
+      std::vector<numerics::EightLines> lines(static_cast<size_t>(fft_->line_groups() * columns));
+      fft_->forward(series, Eigen::RowVectorXd::Zero(columns), taper_, lines.data(), columns);
+      for (Index k = 0; k < half; ++k)
+        for (Index c = 0; c < columns; ++c) {
+          const auto& eight = lines[static_cast<size_t>(k / 8 * columns + c)];
+          const auto lane = static_cast<size_t>(k % 8);
+          X(k, c) = {eight.re[lane], eight.im[lane]};
+        }
+      return X;
     }
-    return X;
+  for (Index c = 0; c < columns; c += 2) {  // a + i b at once
+    VectorXcd x(n);
+    x.real() = taper_.cwiseProduct(series.col(c));
+    x.imag() = taper_.cwiseProduct(series.col(c + 1));
+    const auto both = numerics::complex_fft({x.begin(), x.end()});
+    for (Index k = 0; k < half; ++k) {
+      const Complex one = both[static_cast<size_t>(k)],
+                    other = std::conj(both[static_cast<size_t>((n - k) % n)]);
+      X(k, c) = 0.5 * (one + other);
+      X(k, c + 1) = Complex(0.0, -0.5) * (one - other);
+    }
   }
-  std::vector<numerics::EightLines> lines(static_cast<size_t>(fft_->line_groups() * columns));
-  fft_->forward(series, Eigen::RowVectorXd::Zero(columns), taper_, lines.data(), columns);
-  for (Index k = 0; k < half; ++k)
-    for (Index c = 0; c < columns; ++c) {
-      const auto& eight = lines[static_cast<size_t>(k / 8 * columns + c)];
-      const auto lane = static_cast<size_t>(k % 8);
-      X(k, c) = {eight.re[lane], eight.im[lane]};
-    }
   return X;
 }
 

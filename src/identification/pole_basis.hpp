@@ -34,7 +34,7 @@ class PoleBasis {
   Eigen::VectorXd taper_;  // (ρ − 1)/f_s; empty: no window
   double shift_, sample_rate_{};
   std::vector<Eigen::Index> line_;
-  std::unique_ptr<numerics::RealFft> fft_{};  // none: the length is odd
+  std::shared_ptr<numerics::RealFft> fft_{};  // none: odd length, or in a page
 };
 
 }  // namespace hydrapod::identification

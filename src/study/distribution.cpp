@@ -89,14 +89,16 @@ struct Reader {
   }
   [[nodiscard]] double number(const std::string& text) const {
     const auto read = base::read_plain_or_quantity(text, unit);
-    if (!read.ok()) base::refuse(place, fmt::format("'{}': {}", text, read.problem));
+    if (!read.ok())
+      base::refuse(place, fmt::format("'{}': {}", base::printable(text), read.problem));
     return read.value;
   }
   /// "4 .. 5 .. 6 kN/mm": numbers without a unit take that of the last one.
   [[nodiscard]] std::vector<double> range(std::string_view text, std::size_t count) const {
     const auto parts = base::split(text, "..");
     if (parts.size() != count)
-      fail(fmt::format("'{}' has {} numbers instead of {}", text, parts.size(), count));
+      fail(fmt::format("'{}' has {} numbers instead of {}", base::printable(text), parts.size(),
+                       count));
     const auto blank = parts.back().find(' ');
     const std::string last = blank == std::string::npos ? "" : parts.back().substr(blank);
     std::vector<double> values;
@@ -104,7 +106,8 @@ struct Reader {
       values.push_back(number(part.find(' ') == std::string::npos ? part + last : part));
     for (std::size_t k = 1; k < count; ++k)
       if (!(values[k - 1] < values[k]))
-        base::refuse(place, fmt::format("'{}' does not ascend: a distribution needs spread", text));
+        base::refuse(place, fmt::format("'{}' does not ascend: a distribution needs spread",
+                                        base::printable(text)));
     return values;
   }
   /// "5 kN/mm ± 10 %": middle and half width or deviation.
@@ -112,7 +115,8 @@ struct Reader {
     std::string_view sign = "±";
     auto at = text.find(sign);
     if (at == std::string_view::npos) at = text.find(sign = "+-");
-    if (at == std::string_view::npos) fail(fmt::format("'{}' has no spread", text));
+    if (at == std::string_view::npos)
+      fail(fmt::format("'{}' has no spread", base::printable(text)));
     const std::string half(base::trimmed(text.substr(at + sign.size())));
     std::string middle(base::trimmed(text.substr(0, at)));
     const auto blank = half.find(' ');
@@ -124,8 +128,8 @@ struct Reader {
     const double width =
         half.ends_with('%') && share.ok() ? std::abs(center) * share.value : number(half);
     if (!(width > 0.0))
-      base::refuse(place,
-                   fmt::format("the spread of '{}' is {:g}; it must be more than 0", text, width));
+      base::refuse(place, fmt::format("the spread of '{}' is {:g}; it must be more than 0",
+                                      base::printable(text), width));
     return {center, width};
   }
 };
@@ -136,8 +140,8 @@ void truncate(Distribution& d, const Reader& reader, std::string_view within) {
   d.high = bounds[1];
   constexpr double least = 1e-6;  // of the probability: below, F⁻¹ has lost half its digits
   if (probability(d, *d.high) - probability(d, *d.low) < least)
-    base::refuse(reader.place,
-                 fmt::format("hardly any of the distribution lies within '{}'", within));
+    base::refuse(reader.place, fmt::format("hardly any of the distribution lies within '{}'",
+                                           base::printable(within)));
 }
 
 }  // namespace
@@ -179,8 +183,9 @@ Distribution read_distribution(std::string_view text, std::string_view unit, dou
   } else {
     constexpr std::array<std::string_view, 4> words{"normal", "lognormal", "uniform", "triangular"};
     const auto near = base::nearest(word, words);
-    reader.fail(near ? fmt::format("unknown distribution '{}', did you mean '{}'", word, *near)
-                     : fmt::format("unknown distribution '{}'", word));
+    reader.fail(near ? fmt::format("unknown distribution '{}', did you mean '{}'",
+                                   base::printable(word), *near)
+                     : fmt::format("unknown distribution '{}'", base::printable(word)));
   }
   if (!within.empty()) truncate(d, reader, within);
   return d;

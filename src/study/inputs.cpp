@@ -83,13 +83,14 @@ Requirement read_requirement(const std::string& text, const std::vector<Column>&
     std::vector<std::string_view> names;
     for (const auto& output : outputs) names.push_back(output.name);
     const auto near = base::nearest(name, names);
-    base::refuse(place, fmt::format("unknown output '{}'; {}outputs are {}", name,
+    base::refuse(place, fmt::format("unknown output '{}'; {}outputs are {}", base::printable(name),
                                     near ? fmt::format("did you mean '{}'? ", *near) : "",
                                     fmt::join(names, ", ")));
   }
   const std::string bound(base::trimmed(std::string_view(text).substr(at + 2)));
   const auto read = base::read_plain_or_quantity(bound, found->unit);
-  if (!read.ok()) base::refuse(place, fmt::format("'{}': {}", bound, read.problem));
+  if (!read.ok())
+    base::refuse(place, fmt::format("'{}': {}", base::printable(bound), read.problem));
   if (found->unit == "Hz" && text[at] == '>' && !(read.value > 0.0))
     base::refuse(place, "every machine meets that; a frequency is more than 0");
   if (found->unit == "Hz" && text[at] == '<' && !(read.value > 0.0))

@@ -187,6 +187,7 @@ TEST(Bode, SaysWhatIsWrongWithItsArguments) {
       {{"--from", "5 %"},
        "--from 5 %: error: \"5 %\" has the unit \"%\" (a pure number), expected a frequency such "
        "as \"Hz\"\n"},
+      {{"--from", "1e308"}, "--from 1e308: error: expected a frequency up to 1e+09 Hz\n"},
       {{"--from", "5", "--to", "2"}, "--from 5: error: must be less than --to 2\n"},
       {{"--point", "0,0"},
        "--point 0,0: error: a point is three lengths, for instance \"0,0,0.2 m\"\n"},

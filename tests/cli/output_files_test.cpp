@@ -271,6 +271,8 @@ TEST_F(OutputFiles, AnEndingOfOtherContentsIsRefusedBeforeTheWork) {
   refused({"bode", "m.toml", "--format", "csv", "-o", "a.json"},
           "the ending '.json' does not fit --format csv");
   refused({"report", "m.toml", "-o", "a.json"}, "report writes .html");
+  refused({"report", "m.toml", "--from", "nan", "-o", "a.html"},
+          "--from nan: error: needs --measured");
   refused({"rig", "m.toml", "-o", "a.json"}, "names no format of records");
 }
 

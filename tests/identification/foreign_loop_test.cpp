@@ -43,20 +43,17 @@ TEST(ShortForeignLoop, GivesTheModesOfThePlant) {
 /// as it looks.
 TEST(ShortForeignLoop, NoModeIsCertainWhereBlocksAreShorterThanMostNeed) {
   const auto plant = foreign_plant();
-  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-    const auto found =
-        identify_modes(foreign_measurement(
-                           plant, {.excitation = Excitation::noise, .duration = 14.0, .seed = seed})
-                           .responses,
-                       foreign_band);
-    ASSERT_GT(found.responses.shift, 0.0);
+  for (const double duration : {14.0, 20.0}) {
+    const auto m = foreign_measurement(
+        plant, {.excitation = Excitation::noise, .duration = duration, .seed = 3});
+    const auto found = identify_modes(m.responses, foreign_band);
     ASSERT_FALSE(found.modes.empty());
     const auto at =
         std::ranges::find(found.warnings, ModeWarning::Kind::short_blocks, &ModeWarning::kind);
     ASSERT_NE(at, found.warnings.end());
     ASSERT_GE(2 * at->count, at->total);
     for (const auto& mode : found.modes)
-      EXPECT_LE(mode.quality(), at->value * at->to / 2.0 + 1e-12) << seed;
+      EXPECT_LE(mode.quality(), at->value * at->to / 2.0 + 1e-12) << duration;
   }
 }
 

@@ -20,6 +20,13 @@
 
 namespace hydrapod::numerics {
 
+/// Whether transforms of several channels at once go their own way: not in a page, which is small.
+#ifdef __wasm__
+inline constexpr bool side_by_side = false;
+#else
+inline constexpr bool side_by_side = true;
+#endif
+
 /// Eight neighbouring lines of a channel: what follows a transform takes them side by side.
 struct alignas(64) EightLines {
   std::array<double, 8> re{}, im{};
