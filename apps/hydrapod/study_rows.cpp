@@ -12,6 +12,7 @@
 #include <iterator>
 #include <utility>
 
+#include "hydrapod/base/text.hpp"
 #include "hydrapod/report/model_results.hpp"
 #include "hydrapod/reproduction.hpp"
 #include "hydrapod/terminal.hpp"
@@ -52,8 +53,7 @@ StudyRows::StudyRows(const tasks::StudyJob& job, std::string csv, const std::str
     : csv_(std::move(csv)), width_(job.problem.inputs.size() + job.problem.outputs.size()) {
   std::string above;
   for (const auto& comment : comments) {
-    above += "# ";
-    for (const char c : comment) above += c == '\n' || c == '\r' ? ' ' : c;
+    above += "# " + base::printable(comment, comment.size());
     above += '\n';
   }
   const auto& outputs = job.problem.outputs;

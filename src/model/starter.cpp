@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <string>
 
+#include "hydrapod/base/text.hpp"
 #include "hydrapod/model/machine_file.hpp"
 
 namespace hydrapod::model {
@@ -91,21 +92,15 @@ std::string comment_of(const ParameterRow& row, std::string_view value) {
   return comment;
 }
 
-/// Characters, not bytes.
-std::size_t width(std::string_view text) {
-  return static_cast<std::size_t>(
-      std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));
-}
-
 /// `text`, then the comment beside it, on as many lines as it needs.
 std::string with_comment(std::string text, std::string_view comment) {
   std::string result;
   while (!comment.empty()) {
-    const std::size_t column = std::max(width(text) + 1, comment_column);
+    const std::size_t column = std::max(base::characters(text) + 1, comment_column);
     std::size_t end = comment.size();
-    while (column + 2 + width(comment.substr(0, end)) > line_length)
+    while (column + 2 + base::characters(comment.substr(0, end)) > line_length)
       end = comment.rfind(' ', end - 1);
-    result += fmt::format("{}{}# {}\n", text, std::string(column - width(text), ' '),
+    result += fmt::format("{}{}# {}\n", text, std::string(column - base::characters(text), ' '),
                           comment.substr(0, end));
     comment.remove_prefix(std::min(end + 1, comment.size()));
     text.clear();

@@ -154,9 +154,7 @@ Place place_at(std::string_view text, std::size_t offset, int source) {
   const auto line_start = before.rfind('\n');
   const std::string_view line =
       line_start == std::string_view::npos ? before : before.substr(line_start + 1);
-  const auto characters = std::count_if(line.begin(), line.end(), [](char c) {
-    return (static_cast<unsigned char>(c) & 0xC0) != 0x80;
-  });
+  const auto characters = base::characters(line);
   return {source, static_cast<unsigned>(lines) + 1, static_cast<unsigned>(characters) + 1};
 }
 

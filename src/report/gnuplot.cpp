@@ -12,6 +12,7 @@
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/file.hpp"
+#include "hydrapod/base/text.hpp"
 #include "hydrapod/report/model_results.hpp"
 
 namespace hydrapod::report {
@@ -121,12 +122,6 @@ std::string opened(const std::string& terminal, const std::string& file) {
 
 namespace {
 
-/// Number of characters of UTF-8.
-std::size_t characters(std::string_view text) {
-  return static_cast<std::size_t>(std::ranges::count_if(
-      text, [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
-}
-
 /// The first `most` characters, at most to the last blank among them.
 std::string_view beginning(std::string_view text, std::size_t most) {
   std::size_t end = 0, count = 0, blank = 0;
@@ -139,8 +134,8 @@ std::string_view beginning(std::string_view text, std::size_t most) {
 
 /// What does not fit ends in "…".
 std::string shortened(std::string_view text, std::size_t most) {
-  return characters(text) <= most ? std::string(text)
-                                  : std::string(beginning(text, most - 1)) + "…";
+  return base::characters(text) <= most ? std::string(text)
+                                        : std::string(beginning(text, most - 1)) + "…";
 }
 
 }  // namespace
@@ -152,7 +147,7 @@ std::string titles(const std::string& title, const std::string& subtitle, int wi
   };
   std::string below = quoted(subtitle);
   double size = 10.0;
-  if (characters(subtitle) > fitting(character)) {
+  if (base::characters(subtitle) > fitting(character)) {
     size = 9.0;
     const auto first = beginning(subtitle, fitting(small));
     std::string_view rest = std::string_view(subtitle).substr(first.size());

@@ -33,6 +33,13 @@ std::optional<std::string_view> nearest(std::string_view word,
 /// beyond `limit` bytes is cut off between two characters and marked with `...`.
 std::string printable(std::string_view text, std::size_t limit = 60);
 
+/// Number of characters of UTF-8, not of bytes.
+inline std::size_t characters(std::string_view text) {
+  std::size_t count = 0;
+  for (const char c : text) count += (static_cast<unsigned char>(c) & 0xC0U) != 0x80U ? 1 : 0;
+  return count;
+}
+
 /// Byte at which `text` stops being valid UTF-8; npos when all of it is.
 std::size_t first_invalid_utf8(std::string_view text);
 
