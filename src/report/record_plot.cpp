@@ -6,9 +6,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 #include "gnuplot.hpp"
+#include "prefix.hpp"
 
 namespace hydrapod::report {
 
@@ -29,14 +29,11 @@ struct ShownUnit {
 
 ShownUnit shown_unit(const std::string& unit, double largest) {
   constexpr std::array prefixable{"Pa", "N", "N m", "m", "V", "A", "m/s", "m/s²", "m/s^2"};
-  constexpr std::array<std::pair<const char*, double>, 5> prefixes{
-      {{"G", 1e9}, {"M", 1e6}, {"k", 1e3}, {"m", 1e-3}, {"µ", 1e-6}}};
   if (unit.empty()) return {"?"};
   if (std::ranges::find(prefixable, unit) == prefixable.end()) return {unit};
   if (!(largest > 0.0) || (largest >= 1.0 && largest < 1e4)) return {unit};
-  for (const auto& [prefix, size] : prefixes)
-    if (largest >= size && (size > 1.0 || largest < 1.0)) return {prefix + unit, size};
-  return {unit};
+  const auto prefix = prefix_of(largest);
+  return {prefix.name + unit, prefix.size};
 }
 
 /// Of the samples of a channel that are drawn.
