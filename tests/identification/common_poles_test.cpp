@@ -10,6 +10,7 @@
 #include "exact/modal_system.hpp"
 #include "found_pole.hpp"
 #include "hydrapod/identification/identify.hpp"
+#include "lines_with_errors.hpp"
 
 namespace hydrapod::identification {
 namespace {
@@ -57,16 +58,8 @@ FrequencyResponses filtered_responses(const test::ModalSystem& system, int order
   for (auto& channel : r.outputs) channel.unit = "m/s^2";
   for (double f = 4.1; f < 104.0; f += 0.113) {
     const Number s(0.0, 2.0 * std::numbers::pi * f);
-    Eigen::MatrixXcd H = s * s * low_pass(s, order, corner) * system.response(f);
-    const Eigen::VectorXd deviation = 0.01 * H.rowwise().norm();
-    for (Eigen::Index o = 0; o < H.rows(); ++o)
-      for (Eigen::Index i = 0; i < H.cols(); ++i)
-        H(o, i) +=
-            deviation[o] * std::sqrt(0.5) * Number(test::normal(random), test::normal(random));
-    r.frequency.push_back(f);
-    r.H.push_back(H);
-    r.noise.emplace_back(deviation.cwiseAbs2().cast<Number>().asDiagonal());
-    r.input_factor.emplace_back(Eigen::MatrixXcd::Identity(inputs, inputs));
+    add_line_with_errors(f, s * s * low_pass(s, order, corner) * system.response(f), 0.01, random,
+                         r);
   }
   return r;
 }

@@ -9,6 +9,7 @@
 #include "exact/modal_system.hpp"
 #include "found_pole.hpp"
 #include "hydrapod/identification/identify.hpp"
+#include "lines_with_errors.hpp"
 
 namespace hydrapod::identification {
 namespace {
@@ -46,17 +47,8 @@ FrequencyResponses coupled_responses(const test::ModalSystem& system, double cor
   const double w = 2.0 * pi * corner;
   for (double f = 2.2; f < 66.0; f += 0.0613) {
     const Complex s(0.0, 2.0 * pi * f);
-    Eigen::MatrixXcd H =
-        s * s * (s * s / (s * s + std::numbers::sqrt2 * w * s + w * w)) * system.response(f);
-    const Eigen::VectorXd deviation = 0.03 * H.rowwise().norm();
-    for (Eigen::Index o = 0; o < H.rows(); ++o)
-      for (Eigen::Index i = 0; i < H.cols(); ++i)
-        H(o, i) +=
-            deviation[o] * std::sqrt(0.5) * Complex(test::normal(random), test::normal(random));
-    r.frequency.push_back(f);
-    r.H.push_back(H);
-    r.noise.emplace_back(deviation.cwiseAbs2().cast<Complex>().asDiagonal());
-    r.input_factor.emplace_back(Eigen::MatrixXcd::Identity(2, 2));
+    const Complex filter = s * s / (s * s + std::numbers::sqrt2 * w * s + w * w);
+    add_line_with_errors(f, s * s * filter * system.response(f), 0.03, random, r);
   }
   return r;
 }

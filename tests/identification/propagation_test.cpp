@@ -190,7 +190,7 @@ class Propagated : public ::testing::Test {
   [[nodiscard]] double share(Index k, Index o) const { return let_in_.share(k, o); }
 };
 
-constexpr double rounding = 1e-10;  // sums of some 10⁵ numbers of either sign
+constexpr double rounding = 1e-12;  // sums of some 10⁵ numbers of either sign
 
 TEST_F(Propagated, VariancesAreThoseOfAllPairsOfLines) { expect_as_stated(rounding); }
 

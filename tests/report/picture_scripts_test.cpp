@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <functional>
 #include <sstream>
 
 #include "hydrapod/report/measured_results.hpp"
@@ -134,20 +135,27 @@ TEST(PicturesOfRecords, HaveNoMorePointsThanPixels) {
       1);
 }
 
-// Above a hundredth of 500 Hz most of a logarithmic axis showed noise.
-TEST(PicturesOfResponses, EndWhereNoiseBegins) {
+/// A line for each Hz. The output follows from the input up to `heard`.
+identification::FrequencyResponses heard_up_to(int heard, int lines,
+                                               const std::function<double(int)>& magnitude) {
   auto r = responses(1);
   r.frequency.clear();
   r.H.clear();
   r.multiple_coherence.clear();
   r.condition.clear();
-  for (int k = 1; k <= 500; ++k) {
+  for (int k = 1; k <= lines; ++k) {
     r.frequency.push_back(k);
-    r.H.emplace_back(Eigen::MatrixXcd::Constant(1, 1, k == 61 ? 1000.0 : 1.0));
-    r.multiple_coherence.emplace_back(Eigen::VectorXd::Constant(1, k <= 80 ? 0.98 : 0.11));
+    r.H.emplace_back(Eigen::MatrixXcd::Constant(1, 1, magnitude(k)));
+    r.multiple_coherence.emplace_back(Eigen::VectorXd::Constant(1, k <= heard ? 0.98 : 0.11));
     r.condition.push_back(1.7);
   }
   r.averages = 9.7;
+  return r;
+}
+
+// Above a hundredth of 500 Hz most of a logarithmic axis showed noise.
+TEST(PicturesOfResponses, EndWhereNoiseBegins) {
+  auto r = heard_up_to(80, 500, [](int k) { return k == 61 ? 1000.0 : 1.0; });
   const auto both = [&](const std::string& expected) {
     EXPECT_THAT(script_of([&](const auto& path) { plot_responses(r, nullptr, {}, path); }),
                 HasSubstr(expected));
@@ -173,18 +181,7 @@ TEST(PicturesOfResponses, EndWhereNoiseBegins) {
 
 // Beyond an excitation noise is divided by noise: quotients 50 dB above all others.
 TEST(PicturesOfResponses, NoiseDoesNotSetTheScale) {
-  auto r = responses(1);
-  r.frequency.clear();
-  r.H.clear();
-  r.multiple_coherence.clear();
-  r.condition.clear();
-  for (int k = 1; k <= 63; ++k) {
-    r.frequency.push_back(k);
-    r.H.emplace_back(Eigen::MatrixXcd::Constant(1, 1, k > 60 ? 300.0 : k == 20 ? 10.0 : 1.0));
-    r.multiple_coherence.emplace_back(Eigen::VectorXd::Constant(1, k <= 60 ? 0.98 : 0.11));
-    r.condition.push_back(1.7);
-  }
-  r.averages = 9.7;
+  auto r = heard_up_to(60, 63, [](int k) { return k > 60 ? 300.0 : k == 20 ? 10.0 : 1.0; });
   const auto draw = [&](const auto& path) { plot_responses(r, nullptr, {}, path); };
   EXPECT_THAT(script_of(draw), HasSubstr("set yrange [-3.200:21.600]\n"));
   r.averages = 0.0;  // of a file of another program: nothing is known of noise
