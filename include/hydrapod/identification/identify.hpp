@@ -176,7 +176,7 @@ struct Certainty {
   double gain{};
 };
 
-/// Modes tried beside those that were found. They stay if the fit is certain and leaves the others.
+/// Modes tried beside those found; they stay if the fit is certain of them and no other mode moves.
 struct TrialOptions {
   double unmoved{0.005};  ///< |Δω| < unmoved · ω: the same mode; also one of a close pair
   int rounds{4};          ///< in the flanks of strong modes, while one finds something
