@@ -88,7 +88,7 @@ TEST(CommonPoles, OfAFilterAreNoModes) {
           continue;
         }
         EXPECT_GT(mode.quality(), 0.6);
-        expect_within_deviations(mode.fit, TruePole(system.modes[r].pole), 0.0, 0.0, 5.0);
+        expect_within_deviations(mode.fit, TruePole(system.modes[r].pole), 0.0, 0.0, 4.5);
       }
     }
 }
