@@ -102,6 +102,31 @@ std::optional<Role> told_role(const Channel& channel) {
   return by_unit ? by_unit : letter_role(name);
 }
 
+/// "r", "r2", "u_1": the letter alone or with a number.
+bool is_numbered(const std::string& name, char letter) {
+  const std::string lower = base::lower_case(name);
+  std::string_view rest(lower);
+  rest.remove_prefix(rest.find_last_of("./") + 1);
+  if (rest.empty() || rest[0] != letter) return false;
+  rest.remove_prefix(1);
+  rest.remove_prefix(std::min(rest.find_first_not_of(" _-:"), rest.size()));
+  return rest.find_first_not_of("0123456789") == rest.npos;
+}
+
+/// r, u and y, as many r as u: the reference, input and output of a loop, whatever their units are.
+void tell_loop(const std::vector<Channel>& channels, std::vector<std::optional<Role>>& told) {
+  const auto count = [&](char letter) {
+    return std::ranges::count_if(
+        channels, [&](const Channel& channel) { return is_numbered(channel.name, letter); });
+  };
+  if (count('r') == 0 || count('r') != count('u') || count('y') == 0) return;
+  for (std::size_t c = 0; c < channels.size(); ++c) {
+    if (is_numbered(channels[c].name, 'r')) told[c] = Role::excitation;
+    if (is_numbered(channels[c].name, 'u')) told[c] = Role::drive;
+    if (is_numbered(channels[c].name, 'y')) told[c] = Role::response;
+  }
+}
+
 /// "force, a1, a2 and 9 more".
 std::string some_names(const std::vector<Channel>& channels, Role role) {
   constexpr std::size_t shown = 6;
@@ -119,6 +144,7 @@ std::string some_names(const std::vector<Channel>& channels, Role role) {
 void guess_roles(std::vector<Channel>& channels, Notes& notes) {
   std::vector<std::optional<Role>> told;
   for (const Channel& channel : channels) told.push_back(told_role(channel));
+  tell_loop(channels, told);
   const bool driven = std::ranges::any_of(told, [](const std::optional<Role>& role) {
     return role == Role::excitation || role == Role::drive;
   });

@@ -19,6 +19,24 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* key = "responses";
 
+/// Members that say nothing are left out.
+Json finding(const ResponseWarning& w) {
+  Json json{{"kind", response_warning_names[static_cast<std::size_t>(w.kind)]}};
+  const auto add = [&](const char* name, const auto& value) {
+    if (value != std::decay_t<decltype(value)>()) json[name] = value;
+  };
+  add("channel", w.channel);
+  add("other", w.other);
+  add("value", w.value);
+  add("share", w.share);
+  add("lowest", w.lowest);
+  add("highest", w.highest);
+  add("count", w.count);
+  add("total", w.total);
+  if (w.estimator != Estimator::h1) json["estimator"] = estimator_text(w.estimator);
+  return json;
+}
+
 std::string description(const FrequencyResponses& all) {
   std::vector<double> re, im;
   for (const auto& a : all.line_covariance) {
@@ -31,6 +49,7 @@ std::string description(const FrequencyResponses& all) {
             {"degrees_of_freedom", all.degrees},
             {"line_covariance", {{"re", re}, {"im", im}}}};
   if (!all.id_lines.empty()) json["id_lines"] = all.id_lines;
+  for (const auto& warning : all.warnings) json["findings"].push_back(finding(warning));
   if (all.shift > 0.0) json["shift_per_s"] = all.shift;
   if (all.taper.size() > 0) {
     json["sample_rate_hz"] = all.sample_rate;
@@ -91,6 +110,31 @@ void take_leakage(const Json& json, FrequencyResponses& all) {
     refuse("leakage");
 }
 
+/// Of kinds that this version knows.
+void take_findings(const Json& findings, FrequencyResponses& all) {
+  for (const auto& json : findings) {
+    const auto kind = std::ranges::find(response_warning_names, json.at("kind").get<std::string>());
+    if (kind == response_warning_names.end()) continue;
+    ResponseWarning w{
+        .kind = static_cast<ResponseWarning::Kind>(kind - response_warning_names.begin())};
+    w.channel = json.value("channel", w.channel);
+    w.other = json.value("other", w.other);
+    w.value = json.value("value", w.value);
+    w.share = json.value("share", w.share);
+    w.lowest = json.value("lowest", w.lowest);
+    w.highest = json.value("highest", w.highest);
+    w.count = json.value("count", w.count);
+    w.total = json.value("total", w.total);
+    const auto estimator = estimator_from_text(json.value("estimator", std::string("h1")));
+    w.estimator = estimator.value_or(w.estimator);
+    for (const double number : {w.value, w.share, w.lowest, w.highest})
+      if (!std::isfinite(number)) refuse("findings");
+    w.channel = clean_text(w.channel);
+    w.other = clean_text(w.other);
+    all.warnings.push_back(std::move(w));
+  }
+}
+
 FrequencyResponses from_json(const std::string& text, const RecordHeader& header) {
   const Json json = Json::parse(text);
   FrequencyResponses all{.title = header.title, .date = header.date};
@@ -108,6 +152,7 @@ FrequencyResponses from_json(const std::string& text, const RecordHeader& header
   take_line_covariance(json.at("line_covariance"), all);
   if (json.contains("taper")) take_taper(json, all);
   if (json.contains("leakage")) take_leakage(json.at("leakage"), all);
+  if (json.contains("findings")) take_findings(json.at("findings"), all);
   all.geometry = header.geometry;
   all.id_lines = json.value("id_lines", std::vector<std::vector<std::string>>{});
   if (!all.id_lines.empty() && all.id_lines.size() != all.outputs.size() * all.inputs.size())
@@ -195,6 +240,7 @@ void take_description(const FrequencyResponses& described, Notes& notes, Frequen
   all.sample_rate = described.sample_rate;
   all.geometry = described.geometry;
   all.id_lines = described.id_lines;
+  all.warnings.insert(all.warnings.begin(), described.warnings.begin(), described.warnings.end());
   put_on_lines_of_window(notes, all);
 }
 

@@ -74,17 +74,19 @@ Plan plan_channels(const std::string& file, const data::RecordHeader& header,
   const auto drives = with_role(header, Role::drive);
   const bool from_drive = options.input_role ? *options.input_role == Role::drive
                                              : inside_a_loop(header, excitations, drives);
-  c.inputs = !options.inputs.empty() ? with_names(file, header, options.inputs)
-             : from_drive            ? drives
-                                     : excitations;
+  const bool named = !options.instruments.empty();  // inputs are other channels then
+  c.inputs = !options.inputs.empty()                    ? with_names(file, header, options.inputs)
+             : from_drive || (named && !drives.empty()) ? drives
+                                                        : excitations;
   c.outputs =
       options.outputs.empty() ? default_outputs(header) : with_names(file, header, options.outputs);
-  // of a channel that is named as input its role says nothing
-  if (options.outputs.empty() && !options.inputs.empty())
-    std::erase_if(c.outputs,
-                  [&](int o) { return std::ranges::find(c.inputs, o) != c.inputs.end(); });
-  c.instruments =
-      options.instruments.empty() ? excitations : with_names(file, header, options.instruments);
+  c.instruments = named ? with_names(file, header, options.instruments) : excitations;
+  // of a channel that is named as input or instrument its role says nothing
+  const auto leave_out = [&](const std::vector<int>& others) {
+    std::erase_if(c.outputs, [&](int o) { return std::ranges::find(others, o) != others.end(); });
+  };
+  if (options.outputs.empty() && !options.inputs.empty()) leave_out(c.inputs);
+  if (options.outputs.empty() && named) leave_out(c.instruments);
   const std::string advice =
       ": name channels with --inputs and --outputs; the record has " + names_of(header);
   if (c.inputs.empty())
@@ -98,8 +100,9 @@ Plan plan_channels(const std::string& file, const data::RecordHeader& header,
       base::refuse(file, fmt::format("channel '{}' is named as input and as output",
                                      header.channels[static_cast<std::size_t>(i)].name));
   const bool from_instrument = c.instruments.size() == c.inputs.size() && c.instruments != c.inputs;
-  plan.estimator = options.estimator.value_or(
-      from_instrument && c.inputs != excitations ? Estimator::instrumental : Estimator::h1);
+  const bool instrumental = named || (from_instrument && c.inputs != excitations);
+  plan.estimator =
+      options.estimator.value_or(instrumental ? Estimator::instrumental : Estimator::h1);
   if (plan.estimator == Estimator::instrumental && c.instruments == c.inputs)
     base::refuse(
         file,

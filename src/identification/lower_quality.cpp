@@ -69,6 +69,10 @@ void lower_quality(const FrequencyResponses& responses, Identification& result,
   for (const auto& warning : responses.warnings) {
     if (warning.kind == Kind::weak_excitation) lower_where_weak(warning, result);
     if (warning.kind == Kind::wandering_tone) lower_where_left_out(warning, result);
+    if (warning.kind == Kind::rings)
+      for (auto& mode : result.modes) limit(mode, options.ringing);
+    if (warning.kind == Kind::cut_sweep)
+      for (auto& mode : result.modes) limit(mode, options.cut_sweep);
     // a resonance in blocks that hold a jump is wider than it is
     if (warning.kind == Kind::lost_rows && warning.total == 0)
       for (auto& mode : result.modes) limit(mode, 1.0 - warning.share);

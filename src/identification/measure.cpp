@@ -140,6 +140,8 @@ Attempt responses_without(const Faults& faults, data::RecordSet& records,
   if (!m.interrupted)
     refuse_averages(options, blocks ? "samples of this one are missing that cannot be filled"
                                     : "this one is not, or its excitation is periodic");
+  if (const auto cut = warning_of_cut_sweep(records, reading, options))
+    m.responses.warnings.push_back(*cut);
   const auto earlier = std::move(m.responses.warnings);
   m.responses = responses_for_modes(m.spectra, plan.choice, plan.estimator);
   m.responses.harmonics = std::move(harmonics);
@@ -336,7 +338,7 @@ GroupedSpectra measure_groups(data::RecordSet& records, const MeasureOptions& op
   refuse_periods(reading);
   Measurement whole{.header = records.header()};
   read_spectra(records, reading, {}, whole);
-  reading.tones = tones_in(records, reading, plan, whole.spectra);
+  reading.tones = tones_in(records, reading, plan, whole.spectra, whole.responses.warnings);
   return read_groups(records, reading, options, groups, progress, {});
 }
 

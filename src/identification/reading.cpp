@@ -268,20 +268,26 @@ void read_spectra(data::RecordSet& records, Reading& reading, const numerics::Pr
 }
 
 std::vector<Tone> tones_in(data::RecordSet& records, const Reading& reading, const Plan& plan,
-                           const CrossSpectra& spectra) {
+                           const CrossSpectra& spectra,
+                           std::vector<data::ResponseWarning>& warnings) {
   const auto& c = plan.choice;
-  return find_tones(records,
-                    {.channels = reading.used,
-                     .settling = reading.settling,
-                     .block = reading.spectrum.block_length,
-                     .periodic = reading.spectrum.periodic},
-                    spectra, plan.estimator == Estimator::instrumental ? c.instruments : c.inputs);
+  const bool loop = plan.estimator == Estimator::instrumental;
+  auto tones = find_tones(records,
+                          {.channels = reading.used,
+                           .settling = reading.settling,
+                           .block = reading.spectrum.block_length,
+                           .periodic = reading.spectrum.periodic},
+                          spectra, loop ? c.instruments : c.inputs);
+  for (const auto& tone : take_ringing(tones))
+    if (loop)
+      warnings.push_back({.kind = data::ResponseWarning::Kind::rings, .value = tone.frequency});
+  return tones;
 }
 
 void subtract_found_tones(data::RecordSet& records, const Plan& plan, Reading& reading,
                           Measurement& m) {
   if (m.interrupted) return;
-  reading.tones = tones_in(records, reading, plan, m.spectra);
+  reading.tones = tones_in(records, reading, plan, m.spectra, m.responses.warnings);
   if (reading.tones.empty()) return;
   const auto health = m.spectra.health;
   read_once(records, reading, {}, m);

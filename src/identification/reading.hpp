@@ -56,9 +56,10 @@ Streamed stream_read(data::RecordSet& records, const Reading& reading,
 void read_spectra(data::RecordSet& records, Reading& reading, const numerics::Progress& progress,
                   Measurement& m);
 
-/// Finds tones in records whose spectra are known.
+/// Finds tones in records whose spectra are known. Of a loop that rings there is a warning instead.
 std::vector<Tone> tones_in(data::RecordSet& records, const Reading& reading, const Plan& plan,
-                           const CrossSpectra& spectra);
+                           const CrossSpectra& spectra,
+                           std::vector<data::ResponseWarning>& warnings);
 
 /// Reads once more, without the tones, where there are some.
 void subtract_found_tones(data::RecordSet& records, const Plan& plan, Reading& reading,

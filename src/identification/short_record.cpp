@@ -216,6 +216,18 @@ bool asks_for_blocks(const MeasureOptions& options) {
          options.window != Window::hann;
 }
 
+namespace {
+
+BlockCount blocks_in(const data::RecordSet& records, const Reading& reading,
+                     const MeasureOptions& options) {
+  const auto left = static_cast<double>(
+      reading.total - reading.settling * static_cast<std::int64_t>(records.files().size()));
+  return {left / static_cast<double>(reading.spectrum.block_length),
+          options.few_blocks.fewest * fewest_blocks(reading.plan.choice.inputs.size())};
+}
+
+}  // namespace
+
 std::optional<BlockCount> too_few_blocks(const data::RecordSet& records, const Reading& reading,
                                          const MeasureOptions& options) {
   const auto& plan = reading.plan;
@@ -223,10 +235,7 @@ std::optional<BlockCount> too_few_blocks(const data::RecordSet& records, const R
   if (!options.for_modes || !wanted || asks_for_blocks(options) || reading.spectrum.periodic ||
       (plan.estimator != Estimator::h1 && plan.estimator != Estimator::instrumental))
     return {};
-  const auto left = static_cast<double>(
-      reading.total - reading.settling * static_cast<std::int64_t>(records.files().size()));
-  const BlockCount blocks{left / static_cast<double>(reading.spectrum.block_length),
-                          options.few_blocks.fewest * fewest_blocks(plan.choice.inputs.size())};
+  const auto blocks = blocks_in(records, reading, options);
   if (blocks.fit >= blocks.needed && !reading.sweep) return {};
   if (plan.estimator == Estimator::instrumental && !options.whole_record) return {};
   if (plan.estimator == Estimator::instrumental)
@@ -234,6 +243,18 @@ std::optional<BlockCount> too_few_blocks(const data::RecordSet& records, const R
         "modes in a loop are not estimated from the whole record at once: intervals would be too "
         "narrow; leave --whole-record out, or record longer");
   return blocks;
+}
+
+std::optional<data::ResponseWarning> warning_of_cut_sweep(const data::RecordSet& records,
+                                                          const Reading& reading,
+                                                          const MeasureOptions& options) {
+  const auto blocks = blocks_in(records, reading, options);
+  if (!reading.sweep || reading.spectrum.periodic || blocks.fit >= blocks.needed) return {};
+  return data::ResponseWarning{
+      .kind = Kind::cut_sweep,
+      .value = static_cast<double>(reading.spectrum.block_length) / records.header().sample_rate,
+      .count = static_cast<std::int64_t>(blocks.fit),
+      .total = static_cast<std::int64_t>(std::ceil(blocks.needed))};
 }
 
 bool keep_short_record(data::RecordSet& records, const Reading& reading, const BlockCount& blocks,

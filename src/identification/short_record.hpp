@@ -44,6 +44,11 @@ bool asks_for_blocks(const MeasureOptions& options);
 std::optional<BlockCount> too_few_blocks(const data::RecordSet& records, const Reading& reading,
                                          const MeasureOptions& options);
 
+/// A sweep that few blocks cut into pieces.
+std::optional<data::ResponseWarning> warning_of_cut_sweep(const data::RecordSet& records,
+                                                          const Reading& reading,
+                                                          const MeasureOptions& options);
+
 /// The record is kept, and m.responses become those of a model of it. `choice`: of m.spectra;
 /// `changes`: of its channels. False, and nothing is done, where samples are missing that cannot be
 /// filled, and, with a warning, where inputs follow outputs; where the whole record was asked for,

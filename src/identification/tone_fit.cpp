@@ -334,6 +334,12 @@ VectorXcd envelope_at(const Series& s, const ToneEnvelope& envelope) {
   return e;
 }
 
+/// Relative variance of |e|².
+double unevenness_of(const VectorXcd& e) {
+  const Eigen::ArrayXd power = e.cwiseAbs2();
+  return (power / std::max(power.mean(), 1e-300) - 1.0).square().mean();
+}
+
 /// Is the modulus more nearly constant than that of a Gaussian process?
 bool is_even(const std::vector<Series>& list, const std::vector<ToneTrack>& tracks, double chance) {
   double J = 0.0, squares = 0.0, rows = 0.0;
@@ -345,8 +351,7 @@ bool is_even(const std::vector<Series>& list, const std::vector<ToneTrack>& trac
     for (Index k = 1; k < n; ++k)
       together += 2.0 * std::norm(e.head(n - k).dot(e.tail(n - k))) / std::pow(e.squaredNorm(), 2);
     J += static_cast<double>(n) / together;
-    const Eigen::ArrayXd power = e.cwiseAbs2().array() / e.cwiseAbs2().mean() - 1.0;
-    squares += power.square().sum();
+    squares += static_cast<double>(n) * tracks[r].unevenness;
     rows += static_cast<double>(n);
   }
   constexpr double fewest = 3.0;
@@ -391,6 +396,7 @@ std::vector<ToneTrack> fit_tone(const std::vector<Zoom>& zooms, double line, dou
     if (auto c = fit.coefficients[r]; c.size() > 0) {
       ToneEnvelope envelope{fit.spacing, c};
       const VectorXcd e = envelope_at(list[r], envelope);
+      track.unevenness = unevenness_of(e);
       c /= std::max(e.norm() / std::sqrt(static_cast<double>(e.size())), 1e-300);
       track.envelope = {fit.spacing, c};
       track.amplitude = tone_amplitudes(list[r], c, fit.spacing);

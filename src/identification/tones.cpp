@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "hydrapod/numerics/statistics.hpp"
 #include "tone_fit.hpp"
@@ -141,11 +142,13 @@ Tone tone_of(std::vector<ToneTrack> tracks, double sample_rate) {
     if (track.amplitude.size() == 0) continue;
     if (count == 0.0) tone.amplitude = VectorXd::Zero(track.amplitude.size());
     tone.amplitude += track.amplitude.cwiseAbs2();
+    tone.unevenness += track.unevenness;
     count += 1.0;
     if (tone.relative.size() == 0 || track.amplitude.norm() > tone.relative.norm())
       tone.relative = track.amplitude;
   }
   tone.amplitude = (tone.amplitude / count).cwiseSqrt();
+  tone.unevenness /= count;
   tone.records = std::move(tracks);
   return tone;
 }
@@ -238,6 +241,15 @@ std::vector<Tone> find_tones(data::RecordSet& records, const ToneReading& readin
   for (auto& tracks : fits()) tones.push_back(tone_of(std::move(tracks), spectra.sample_rate));
   std::ranges::sort(tones, {}, &Tone::frequency);
   return tones;
+}
+
+std::vector<Tone> take_ringing(std::vector<Tone>& tones, const ToneOptions& options) {
+  const auto from = std::stable_partition(tones.begin(), tones.end(), [&](const Tone& tone) {
+    return tone.unevenness <= options.comes_and_goes;
+  });
+  std::vector<Tone> ringing(std::make_move_iterator(from), std::make_move_iterator(tones.end()));
+  tones.erase(from, tones.end());
+  return ringing;
 }
 
 void subtract_tones(const std::vector<Tone>& tones, const std::vector<std::size_t>& channels,

@@ -23,6 +23,8 @@
 ///    the chance that their relative variance is < x is at most the share that a ball of radius
 ///    √(x/J) has in the simplex Σ p = 1.
 /// 4. The envelope's knots are as close as the criterion of Schwarz asks for.
+/// 5. A sharp mode, and a closed loop that is nearly unstable, have resonances that are as narrow.
+///    Their amplitude comes and goes.
 
 #include <functional>
 
@@ -52,6 +54,10 @@ struct ToneOptions {
   /// Fall of Schwarz's criterion, in units of ln likelihood, that a tone is worth.
   double evidence{10.0};
   double longest_window{1.0};  ///< [s] of the demodulation: a wandering tone turns little in that
+  /// It is no tone, but a resonance that rings, where unevenness > comes_and_goes. What noise makes
+  /// ring has 1 in the long run, and 0.4 to 1.3 in records as long as it rings. A tone whose
+  /// amplitude changes by 30 % to either side has 0.2.
+  double comes_and_goes{0.2};
 };
 
 /// e(t) by sample.
@@ -66,6 +72,7 @@ struct ToneTrack {
   double omega{};  ///< [rad/sample]
   ToneEnvelope envelope{};
   VectorXcd amplitude{};  ///< A_c per channel; empty: none in this record
+  double unevenness{};    ///< relative variance of |e|²; 0: constant
 };
 
 struct Tone {
@@ -73,6 +80,7 @@ struct Tone {
   std::vector<ToneTrack> records{};  ///< one per record
   VectorXd amplitude{};              ///< RMS over records of |A_c e|, per channel
   VectorXcd relative{};              ///< A_c of the record where it is strongest
+  double unevenness{};               ///< mean over records
 };
 
 /// What is read of records: `channels`, after the first `settling` samples.
@@ -94,6 +102,11 @@ std::vector<Index> conspicuous_lines(const CrossSpectra& spectra,
 std::vector<Tone> find_tones(data::RecordSet& records, const ToneReading& reading,
                              const CrossSpectra& spectra, const std::vector<int>& references,
                              const ToneOptions& options = {});
+
+/// Takes out of `tones` resonances that ring for as long as the record, driven by noise. To
+/// subtract them is wrong: what a smooth envelope leaves of inputs and outputs is no longer related
+/// by the machine.
+std::vector<Tone> take_ringing(std::vector<Tone>& tones, const ToneOptions& options = {});
 
 /// Subtracts tones from samples, all channels of the record, of which the first is number `first`.
 void subtract_tones(const std::vector<Tone>& tones, const std::vector<std::size_t>& channels,

@@ -142,7 +142,8 @@ void describe(Fields& f, AnyWarning& warning) {
   if constexpr (Fields::reads) {
     std::string kind;
     f("kind", kind);
-    if (std::ranges::count(response_warning_words, kind) > 0) warning.own = data::ResponseWarning{};
+    if (std::ranges::count(data::response_warning_names, kind) > 0)
+      warning.own = data::ResponseWarning{};
   }
   std::visit([&](auto& own) { describe(f, own); }, warning.own);
 }

@@ -352,6 +352,19 @@ std::string warning_text(const data::ResponseWarning& w) {
           w.count, w.total, w.value);
     case Kind::lost_rows:
       return lost_rows_text(w);
+    case Kind::rings:
+      return fmt::format(
+          "the loop rings at {:.4g} Hz for longer than a block lasts: it is nearly unstable; modes "
+          "of "
+          "the machine near this frequency are hidden, and resonances of the loop may look like "
+          "modes",
+          w.value);
+    case Kind::cut_sweep:
+      return fmt::format(
+          "the excitation is a sweep, and the record has {} block{} of {:.3g} s side by side: they "
+          "cut the sweep into pieces, and damping ratios may be wrong by more than their "
+          "intervals; identify takes the record itself in one piece, or record {} blocks",
+          w.count, w.count == 1 ? "" : "s", w.value, w.total);
   }
   return {};
 }

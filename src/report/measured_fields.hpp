@@ -1,8 +1,6 @@
 #pragma once
 /// Fields that responses and identified modes share. Private to the module.
 
-#include <array>
-
 #include "fields.hpp"
 #include "hydrapod/report/measured_results.hpp"
 
@@ -15,47 +13,10 @@ std::vector<std::string> texts(const std::vector<Warning>& warnings) {
   return all;
 }
 
-/// In the order of data::ResponseWarning::Kind.
-inline constexpr std::array response_warning_words{"dead_output",
-                                                   "dead_input",
-                                                   "repeated_input",
-                                                   "clipped",
-                                                   "blocks_left_out",
-                                                   "correlated_inputs",
-                                                   "biased",
-                                                   "excited_band",
-                                                   "interrupted",
-                                                   "lines_not_finite",
-                                                   "missing_samples",
-                                                   "single_block",
-                                                   "weak_excitation",
-                                                   "spikes",
-                                                   "hits_left_out",
-                                                   "repeated_output",
-                                                   "held",
-                                                   "drop_outs",
-                                                   "slow_channel",
-                                                   "clipped_hits",
-                                                   "delayed",
-                                                   "hum",
-                                                   "two_clocks",
-                                                   "exponential_window",
-                                                   "wandering_tone",
-                                                   "short_record",
-                                                   "feedback",
-                                                   "motion_input",
-                                                   "sensor_changed",
-                                                   "lines_zero",
-                                                   "two_sided",
-                                                   "input_changed",
-                                                   "lost_rows"};
-static_assert(response_warning_words.size() ==
-              static_cast<std::size_t>(data::ResponseWarning::Kind::lost_rows) + 1);
-
 template <class Fields>
 void describe(Fields& f, data::ResponseWarning& warning) {
   std::string estimator{data::estimator_text(warning.estimator)};
-  f.word("kind", warning.kind, response_warning_words);
+  f.word("kind", warning.kind, data::response_warning_names);
   f("channel", warning.channel);
   f("other", warning.other);
   f("value", warning.value);

@@ -207,11 +207,28 @@ std::string shard_file(const std::string& output, int shard, int shards) {
   return shards == 1 ? output + ".rows" : fmt::format("{}.rows{}of{}", output, shard, shards);
 }
 
+/// Bytes of rows that are gone on with.
+double bytes_there(const StudyRunOptions& options) {
+  if (!options.resume) return 0.0;
+  const auto rows_file = shard_file(options.output, options.shard, options.shards);
+  auto files = study::rank_files(rows_file);
+  files.push_back(rows_file);
+  double sum = 0.0;
+  for (const auto& file : files) {
+    std::error_code none;
+    const auto size = fs::file_size(file, none);
+    if (!none) sum += static_cast<double>(size);
+  }
+  return sum;
+}
+
 void require_room(const StudyJob& job, const StudyRunOptions& options) {
   std::error_code unknown;
   const auto folder = fs::absolute(options.output).parent_path();
   const auto space = fs::space(folder, unknown);
-  const double needed = 2.0 * job.bytes / options.shards;  // rows, then columns
+  const double part = job.bytes / options.shards;
+  // rows, then columns
+  const double needed = 2.0 * part - std::min(part, bytes_there(options));
   if (unknown || needed < static_cast<double>(space.available)) return;
   const int ranks = options.team != nullptr ? options.team->size() : 1;
   const int threads = options.threads > 0 ? options.threads * ranks

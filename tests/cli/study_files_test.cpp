@@ -20,10 +20,19 @@ namespace {
 namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::MatchesRegex;
 using testing::Not;
 
 const std::string small_machine =
     test::source_file("models/zhang-jiang-2021-transverse.toml").string();
+
+/// Of a table, without the comments above it.
+std::vector<std::string> rows_of(const std::string& table) {
+  std::vector<std::string> rows;
+  for (const auto& line : base::split(table, "\n"))
+    if (!line.empty() && !line.starts_with("#")) rows.emplace_back(line);
+  return rows;
+}
 
 struct StudyFiles : testing::Test {
   test::TemporaryFolder folder{};
@@ -193,17 +202,57 @@ TEST_F(StudyFiles, NumbersOfRowsDoNotWrapAround) {
   EXPECT_FALSE(fs::exists(folder / "h.h5"));
 }
 
+/// Of 12,800 rows, after the program's place and before what else it should do.
+std::string many_masses() {
+  return fmt::format(
+      "'{}' montecarlo '{}' --vary 'platform.mass=uniform 800 .. 900 kg' --samples 12800 "
+      "--threads 1 --quiet -o summary.txt ",
+      test::hydrapod_program().string(), small_machine);
+}
+
+/// A disk that is full in the middle of a study, as a limit on the size of files.
+const std::string on_a_full_disk = "trap '' XFSZ; ulimit -f 400; ";
+
+TEST_F(StudyFiles, OnAFullDiskTheRowsStay) {
+  const auto shell = [&](const std::string& line) {
+    return test::run_program("bash", {"-c", line}, {.folder = folder.path()});
+  };
+  ASSERT_EQ(shell(many_masses() + "--results run.h5 --csv whole.csv && rm run.h5").exit_code, 0);
+  const auto full = shell(on_a_full_disk + many_masses() + "--results run.h5");
+  EXPECT_EQ(full.exit_code, 1);
+  EXPECT_THAT(full.err, MatchesRegex("error: run.h5.rows cannot be written: File too large; "
+                                     "[1-9][0-9]* rows are in it \\(go on with --resume\\)\n"));
+  EXPECT_FALSE(fs::exists(folder / "run.h5"));
+  const auto rest = shell(many_masses() + "--results run.h5 --resume --force --csv rest.csv");
+  EXPECT_EQ(rest.exit_code, 0) << rest.err;
+  EXPECT_EQ(rows_of(test::read_text(folder / "rest.csv")),
+            rows_of(test::read_text(folder / "whole.csv")));
+}
+
+/// On a file system of its own, that is filled until there is room for the rows that are not there
+/// yet and for the results, and not for all rows.
+TEST_F(StudyFiles, RowsThatAreGoneOnWithNeedNoRoom) {
+  const auto unshared = [&](const std::string& line) {
+    return test::run_program("unshare", {"-rm", "bash", "-c", line}, {.folder = folder.path()});
+  };
+  const std::string begin = "mkdir -p small && mount -t tmpfs -o size=8m tmpfs small && cd small";
+  if (unshared(begin).exit_code != 0) GTEST_SKIP() << "no file system can be mounted here";
+  const std::string fill =
+      "; there=$(stat -c %s run.h5.rows); width=$(od -An -t u8 -j 16 -N 8 run.h5.rows); "
+      "free=$(($(stat -f -c '%a * %S' .))); "
+      "head -c $((free - 2 * 12800 * 8 * width + there / 2)) /dev/zero > filler; ";
+  const auto result =
+      unshared(begin + "; (" + on_a_full_disk + many_masses() + "--results run.h5) 2> first" +
+               fill + many_masses() + "--results other.h5; " + many_masses() +
+               "--results run.h5 --resume --force && echo whole");
+  EXPECT_THAT(result.err, MatchesRegex("error: .* rows need .* GB left.*\n"));
+  EXPECT_EQ(result.out, "whole\n");
+}
+
 TEST_F(StudyFiles, ADistributionHasNoGrid) {
   const auto grid = masses("uniform 800 .. 801 kg", {"--design", "grid"});
   EXPECT_EQ(grid.exit_code, 2);
   EXPECT_THAT(grid.err, HasSubstr("platform.mass: error: a grid needs a range or a list"));
-}
-
-/// Of a table, without the comments above it.
-std::ptrdiff_t lines_of(const std::string& table) {
-  const auto lines = base::split(table, "\n");
-  return std::ranges::count_if(
-      lines, [](std::string_view line) { return !line.empty() && !line.starts_with("#"); });
 }
 
 /// The table is read from the rows: it has the digits of the results, and as many rows as they.
@@ -213,7 +262,7 @@ TEST_F(StudyFiles, TheTableHasTheRowsThatWereComputed) {
           .exit_code,
       0);
   const auto table = test::read_text(folder / "a.csv");
-  EXPECT_EQ(lines_of(table), 131);
+  EXPECT_EQ(rows_of(table).size(), 131U);
   EXPECT_THAT(table, AllOf(HasSubstr(", pose neutral, guide model\n# machine: "),
                            HasSubstr("# made by: hydrapod montecarlo "), HasSubstr(": sha256 "),
                            Not(HasSubstr("a.csv"))))

@@ -74,6 +74,23 @@ TEST(Csv, FieldsThatAShortLineDoesNotHaveAreMissing) {
   EXPECT_EQ(record.samples(2, 1), 5.5);
 }
 
+/// As text books call them, whatever their units are. Without as many r as u they are told by
+/// units.
+TEST(Csv, ReferenceInputAndOutputAreThoseOfALoop) {
+  const auto roles = [](const std::string& names) {
+    std::vector<data::Role> list;
+    for (const auto& channel :
+         read("time [s]," + names + "\n0,1,2,3\n0.5,1,2,4\n").record.header.channels)
+      list.push_back(channel.role);
+    return list;
+  };
+  using enum data::Role;
+  EXPECT_EQ(roles("r [m],U_1 [N],y1 [m]"), (std::vector{excitation, drive, response}));
+  EXPECT_EQ(roles("y [V],test.u [V],test.r [V]"), (std::vector{response, drive, excitation}));
+  EXPECT_EQ(roles("r1 [m],r2 [m],u1 [N]"), (std::vector{response, response, excitation}));
+  EXPECT_EQ(roles("r1 [m],u1 [N],x [m]"), (std::vector{response, excitation, response}));
+}
+
 TEST(Csv, SemicolonsDecimalCommasAndALineOfUnits) {
   const auto [record, notes] = read(
       "Prüfung 7\nZeit;Weg;Druck\n(s);(mm);(bar)\n"

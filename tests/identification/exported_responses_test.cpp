@@ -116,6 +116,39 @@ TEST_P(Exported, ResponsesOfAClosedLoopGiveTheSameModes) {
                     identify_modes(through_a_file(responses, GetParam().ending)), GetParam());
 }
 
+/// What is known of the measurement holds for the file too, and lowers the quality of its modes.
+TEST_P(Exported, WarningsStayWithTheResponses) {
+  using Kind = data::ResponseWarning::Kind;
+  auto responses = open_loop_responses(3);
+  responses.warnings = {{.kind = Kind::sensor_changed,
+                         .channel = "a, re 1",
+                         .other = "p \"2\".csv",
+                         .value = -1.25,
+                         .count = 1,
+                         .total = 3},
+                        {.kind = Kind::biased,
+                         .value = 0.125,
+                         .share = 0.375,
+                         .lowest = 1.5,
+                         .highest = 2.75,
+                         .estimator = Estimator::hv},
+                        {.kind = Kind::cut_sweep, .value = 20.5, .count = 2, .total = 6}};
+  const auto read = through_a_file(responses, GetParam().ending);
+  ASSERT_EQ(read.warnings.size(), responses.warnings.size());
+  for (std::size_t k = 0; k < read.warnings.size(); ++k) {
+    const auto &sent = responses.warnings[k], &got = read.warnings[k];
+    EXPECT_EQ(got.kind, sent.kind);
+    EXPECT_EQ(got.channel, sent.channel);
+    EXPECT_EQ(got.other, sent.other);
+    EXPECT_EQ(std::vector({got.value, got.share, got.lowest, got.highest}),
+              std::vector({sent.value, sent.share, sent.lowest, sent.highest}));
+    EXPECT_EQ(got.count, sent.count);
+    EXPECT_EQ(got.total, sent.total);
+    EXPECT_EQ(got.estimator, sent.estimator);
+  }
+  for (const auto& mode : identify_modes(read).modes) EXPECT_LE(mode.quality(), 0.3);
+}
+
 // the fit ends where the sum of squares falls by 1e-9 of itself; 58 has 13 digits, but 6 for the
 // distance of the lines
 INSTANTIATE_TEST_SUITE_P(Formats, Exported,

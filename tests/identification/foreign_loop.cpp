@@ -165,7 +165,7 @@ data::Record foreign_loop_record(const test::ModalSystem& plant, const ForeignLo
     if (!at_drive) error += wanted;
     sum += T * error;
     Eigen::Vector3d u =
-        P.cwiseProduct(error) + I.cwiseProduct(sum) + V.cwiseProduct(error - last) / T;
+        P.cwiseProduct(error) + e.integral * I.cwiseProduct(sum) + V.cwiseProduct(error - last) / T;
     if (at_drive) u += 900.0 * wanted;
     last = error;
     if (k >= before)

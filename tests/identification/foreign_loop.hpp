@@ -35,6 +35,7 @@ struct ForeignLoop {
   double level{1e-3};          ///< RMS of r [m]
   double sensors{2e-6};        ///< RMS of the noise on y [m]
   double forces{0.02};         ///< RMS of d [N]
+  double integral{1.0};        ///< times I; the loop is stable below 4.21
   double duration{205.0};      ///< [s]
   std::vector<LoopTone> tones{};
   int drifting{-1};    ///< mode whose pole drifts during the record; −1: none

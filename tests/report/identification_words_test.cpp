@@ -86,7 +86,9 @@ std::vector<data::ResponseWarning> response_warnings() {
            .highest = 300.0,
            .count = 1,
            .total = 2},
-          {.kind = Kind::lost_rows, .value = 12.34, .count = 10, .total = 10}};
+          {.kind = Kind::lost_rows, .value = 12.34, .count = 10, .total = 10},
+          {.kind = Kind::rings, .value = 2.239},
+          {.kind = Kind::cut_sweep, .value = 20.48, .count = 2, .total = 6}};
 }
 
 std::vector<identification::ModeWarning> mode_warnings() {

@@ -11,6 +11,7 @@
 /// refers to the same values until one of them is changed, which copies first (its own part alone).
 
 #include <Eigen/Core>
+#include <array>
 #include <atomic>
 #include <complex>
 #include <cstddef>
@@ -184,6 +185,9 @@ struct ResponseWarning {
     lost_rows,  ///< at `count` places, the first at `value` [s] of the file `other`, most outputs
                 ///< do not go on from where they were; `share` of the blocks hold one: these
                 ///< are left out (`total`: places) or were needed (0)
+    rings,      ///< a loop, at `value` [Hz], for longer than a block lasts: it is nearly unstable
+    cut_sweep   ///< the excitation is a sweep; `count` blocks of `value` [s] side by side cut it
+               ///< into pieces, and `total` would do
   };
   Kind kind{};
   std::string channel{}, other{};
@@ -191,6 +195,45 @@ struct ResponseWarning {
   std::int64_t count{}, total{};
   Estimator estimator{Estimator::h1};
 };
+
+/// In the order of ResponseWarning::Kind.
+inline constexpr std::array response_warning_names{"dead_output",
+                                                   "dead_input",
+                                                   "repeated_input",
+                                                   "clipped",
+                                                   "blocks_left_out",
+                                                   "correlated_inputs",
+                                                   "biased",
+                                                   "excited_band",
+                                                   "interrupted",
+                                                   "lines_not_finite",
+                                                   "missing_samples",
+                                                   "single_block",
+                                                   "weak_excitation",
+                                                   "spikes",
+                                                   "hits_left_out",
+                                                   "repeated_output",
+                                                   "held",
+                                                   "drop_outs",
+                                                   "slow_channel",
+                                                   "clipped_hits",
+                                                   "delayed",
+                                                   "hum",
+                                                   "two_clocks",
+                                                   "exponential_window",
+                                                   "wandering_tone",
+                                                   "short_record",
+                                                   "feedback",
+                                                   "motion_input",
+                                                   "sensor_changed",
+                                                   "lines_zero",
+                                                   "two_sided",
+                                                   "input_changed",
+                                                   "lost_rows",
+                                                   "rings",
+                                                   "cut_sweep"};
+static_assert(response_warning_names.size() ==
+              static_cast<std::size_t>(ResponseWarning::Kind::cut_sweep) + 1);
 
 /// A vibration of constant amplitude, as machines that turn make it: no resonance.
 struct Harmonic {
