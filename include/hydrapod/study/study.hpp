@@ -382,6 +382,10 @@ struct DesignProblem {
 /// simulation/capability.hpp. The rest of `problem` may still be empty.
 std::vector<Column> design_outputs(const DesignProblem& problem);
 
+/// What the frequencies of studies are: "undamped"; "damped" of a machine with elastomers, whose
+/// undamped frequencies mean nothing. Those of `hydrapod modes` are all damped.
+std::string frequency_kind(const model::Machine& machine);
+
 /// Why machine_problem() and design_outputs() of this machine lack an output that other machines
 /// have; none: it has it, or no machine does.
 std::optional<std::string> why_no_output(const model::Machine& machine, dynamics::ModelKind kind,
