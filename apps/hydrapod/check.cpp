@@ -127,10 +127,10 @@ std::string buckling_text(const model::Machine& machine, const report::PoseCheck
     std::string text = fmt::format("Buckling load: {} in addition to the platform mass of {}",
                                    report::mass_text(buckling.payload), report::mass_text(mass));
     if (buckling.limit_point && check.lowest_at_buckling)
-      return text +
-             fmt::format(
-                 "; the equilibrium ends there at a limit point{} (lowest frequency {:.2f} Hz).\n",
-                 without_guide(machine), *check.lowest_at_buckling / (base::two_pi));
+      return text + fmt::format(
+                        "; the equilibrium ends there at a limit point{} (lowest undamped "
+                        "frequency {:.2f} Hz).\n",
+                        without_guide(machine), *check.lowest_at_buckling / (base::two_pi));
     return text + "; the frequency of a seal mode is zero there.\n";
   }
   const auto warned = [&](report::PoseWarning::Kind kind) {

@@ -57,10 +57,7 @@ std::string number_text(double value) {
   return std::isfinite(value) ? fmt::format("{:.5g}", value) : std::string("–");
 }
 
-/// What a user wrote a quantity in: the machine file its numbers, a requirement its bound.
-struct Units {
-  std::vector<model::WrittenUnit> changes{}, requirements{}, aims{};
-};
+using Units = report::DesignUnits;
 
 model::WrittenUnit unit_of_bound(const std::string& requirement, const std::string& si) {
   const std::string bound(base::trimmed(requirement.substr(requirement.find_first_of("<>") + 2)));
@@ -240,12 +237,13 @@ std::string report_text(const tasks::DesignJob& job, const study::DesignResult& 
   std::string poses;
   for (const auto& pose : job.problem.poses) poses += (poses.empty() ? "" : ", ") + pose.name;
   return fmt::format(
-             "{}, {} {}, {} model\n{}{} designs, each at every pose; {} of {} samples "
+             "{}, {} {}, {} model\n{}{}{} designs, each at every pose; {} of {} samples "
              "meet the requirements\n\n",
              bold(job.machine.file.machine.name, style),
              job.problem.poses.size() == 1 ? "pose" : "poses", poses,
              dynamics::name(job.machine.kind), mechanics_state_line(job.machine.file),
-             result.evaluations, result.feasible_samples, result.samples) +
+             frequencies_line(job.machine.file.machine), result.evaluations,
+             result.feasible_samples, result.samples) +
          changes_text(job, result, units, style) + requirements_text(job, result, units, style) +
          limits_text(job.problem, result, units) + front_text(job.problem, result, units, style) +
          reach_text(job.problem, result, units);
@@ -255,11 +253,13 @@ void plot(const Arguments& arguments, const tasks::DesignJob& job,
           const study::DesignResult& result, const std::string& path) {
   const auto& problem = job.problem;
   const std::string subtitle =
-      fmt::format("{} {}, {} model; machine: {}", problem.poses.size(),
+      fmt::format("{} {}, {} model; machine: {}; {} frequencies", problem.poses.size(),
                   problem.poses.size() == 1 ? "pose" : "poses", dynamics::name(job.machine.kind),
-                  report::mechanics_state_text(job.machine.file));
+                  report::mechanics_state_text(job.machine.file),
+                  study::frequency_kind(job.machine.file.machine));
+  const auto units = units_of(job);
   if (!result.front.empty())
-    return report::plot_trade_off(problem, result,
+    return report::plot_trade_off(problem, result, units,
                                   fmt::format("{}: {} against {}", job.machine.file.machine.name,
                                               problem.aims[0].text, problem.aims[1].text),
                                   subtitle, path);
@@ -268,7 +268,7 @@ void plot(const Arguments& arguments, const tasks::DesignJob& job,
                  "shows requirements or two aims, and there are neither");
   constexpr int points = 161;
   report::plot_design_slices(
-      problem, result, design_slices(problem, result.best, points),
+      problem, result, units, design_slices(problem, result.best, points),
       fmt::format("{}: {}", job.machine.file.machine.name, problem.aims[0].text), subtitle, path);
 }
 

@@ -16,6 +16,7 @@
 #include "hydrapod/base/version.hpp"
 #include "hydrapod/commands.hpp"
 #include "hydrapod/help.hpp"
+#include "hydrapod/report/model_results.hpp"
 #include "hydrapod/reproduction.hpp"
 #include "hydrapod/team.hpp"
 #include "hydrapod/terminal.hpp"
@@ -80,6 +81,7 @@ int run(int argc, char** argv) {
       "hydrapod"};
   set_up(app);
   cli::set_command_line(argc, argv);
+  report::state_in_pictures(cli::origin_text);
   if (argc < 2) {
     std::cout << app.help();
     return cli::close_output() ? done : failed;

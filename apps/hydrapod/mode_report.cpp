@@ -124,6 +124,10 @@ std::string state_line(const model::MachineFile& file) {
   return fmt::format("machine: {}\n", report::state_text(file));
 }
 
+std::string frequencies_line(const model::Machine& machine) {
+  return fmt::format("frequencies are those of {} modes\n", study::frequency_kind(machine));
+}
+
 std::string mechanics_state_line(const model::MachineFile& file) {
   return fmt::format("machine: {}\n", report::mechanics_state_text(file));
 }
@@ -194,8 +198,7 @@ std::string mode_text(const modal::ModeTable& table, const modal::ModeTable* bef
         "combinations along the axes";
   if (any_preload(table))
     all += "\nelastic energy is that of the springs; the compression of the legs reduces the total";
-  return all +
-         "\nHz and rad/s: natural frequencies |λ| of the damped modes, as they are measured\n";
+  return all + "\nHz and rad/s: " + damped_frequencies;
 }
 
 std::string mode_csv(const modal::ModeTable& table) {

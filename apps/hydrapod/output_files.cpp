@@ -267,10 +267,7 @@ void write_output(const std::string& path, const std::string& text) {
 
 void write_result(const std::string& path, std::size_t format, const std::string& text) {
   if (format != 0) return write_output(path, text);
-  write_output(path,
-               without_commands(path == "-" ? text
-                                            : fmt::format("{}\n{}\nwritten by {}\n", text,
-                                                          reproduction_text(), program_text())));
+  write_output(path, without_commands(path == "-" ? text : text + "\n" + origin_text()));
 }
 
 }  // namespace hydrapod::cli

@@ -6,7 +6,7 @@
 /// - No two outputs are the same file.
 /// - A record, a machine file or a study that exists is replaced only with --force. So is a text
 ///   (table, JSON, page, notes) that hydrapod did not write. What it wrote says so: JSON by its
-///   fields, CSV by its titles, a table by its last line. Pictures say nothing and are replaced.
+///   fields, CSV by its titles, a table by its last line. Pictures are replaced.
 /// - There must be a folder that can be written to.
 
 #include <optional>

@@ -12,6 +12,11 @@ namespace hydrapod::cli {
 
 /// A line below a heading: "machine: calibrated, with platform.mass=4 t".
 std::string state_line(const model::MachineFile& file);
+/// What the frequencies of `modes` and `sensitivity` are, with the line end.
+inline constexpr const char* damped_frequencies =
+    "natural frequencies |λ| of the damped modes, as they are measured\n";
+/// The same of studies: "frequencies are those of undamped modes".
+std::string frequencies_line(const model::Machine& machine);
 std::string mechanics_state_line(const model::MachineFile& file);  ///< of mechanics alone
 
 /// Machine, pose, model and assumptions in two lines.

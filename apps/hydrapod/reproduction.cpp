@@ -133,6 +133,10 @@ std::string reproduction_text() {
   return text;
 }
 
+std::string origin_text() {
+  return fmt::format("{}\nwritten by {}\n", reproduction_text(), program_text());
+}
+
 std::string sha256_of_file(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) base::refuse(path, "cannot be read");

@@ -32,6 +32,10 @@ report::Json reproduction();
 /// The same in lines of text, for tables in files.
 std::string reproduction_text();
 
+/// With the program, as files end by which a later run knows that they are hydrapod's: "… written
+/// by hydrapod 0.1.0, commit 60f3…".
+std::string origin_text();
+
 /// A command as a shell takes it: "hydrapod rig 'my machine.toml' -o run.h5".
 std::string shell_text(const std::vector<std::string>& arguments);
 

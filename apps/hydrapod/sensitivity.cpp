@@ -36,7 +36,8 @@ void run(const Arguments& arguments) {
            sensitivity_text(result, style) +
            style.detail(
                "\nRepeated modes are shown in the basis of the parameter that separates them "
-               "most.\n");
+               "most.\nHz: " +
+               std::string(damped_frequencies));
   } else if (format == 1) {
     text = json_text(head_of_model("sensitivity", machine), report::sensitivity_json(result));
   } else {

@@ -260,16 +260,16 @@ void report_study(const Arguments& arguments, const tasks::StudyJob& job,
         arguments.output,
         json_text(head_of_model(kind, job.machine),
                   report::study_json(job.problem, job.plan, job.requirements, *done.summary)));
-  write_result(arguments.output, format,
-               fmt::format("{}, pose {}, {} model\n{}frequencies are those of {} modes\n"
-                           "{} rows, seed {}\n\n",
-                           bold(job.machine.file.machine.name, style), job.machine.pose.name,
-                           dynamics::name(job.machine.kind), mechanics_state_line(job.machine.file),
-                           model::has_elastomers(job.machine.file.machine) ? "damped" : "undamped",
-                           done.summary->rows, job.plan.seed) +
-                   summary_text(job, *done.summary, style) +
-                   (no_drop ? fmt::format("\nLeft out: drop {}.\n", *no_drop) : "") + "\n" +
-                   worst_text(job, *done.summary));
+  write_result(
+      arguments.output, format,
+      fmt::format("{}, pose {}, {} model\n{}{}"
+                  "{} rows, seed {}\n\n",
+                  bold(job.machine.file.machine.name, style), job.machine.pose.name,
+                  dynamics::name(job.machine.kind), mechanics_state_line(job.machine.file),
+                  frequencies_line(job.machine.file.machine), done.summary->rows, job.plan.seed) +
+          summary_text(job, *done.summary, style) +
+          (no_drop ? fmt::format("\nLeft out: drop {}.\n", *no_drop) : "") + "\n" +
+          worst_text(job, *done.summary));
 }
 
 /// What stands in a study file counts where the command line says nothing: so it is read here.

@@ -45,7 +45,10 @@ void plot_map(const tasks::StudyJob& job, const std::vector<std::string>& ranges
     for (const double one : input.distribution.list) along.push_back(one / unit.size);
     return fmt::format("{} [{}]", input.name, unit.name);
   };
-  report::Field field{.name = fmt::format("{} [{}]", found->name, found->unit), .values = values};
+  const std::string kind =
+      found->unit == "Hz" ? ", " + study::frequency_kind(job.machine.file.machine) : "";
+  report::Field field{.name = fmt::format("{}{} [{}]", found->name, kind, found->unit),
+                      .values = values};
   field.values.resize(job.rows, std::numeric_limits<double>::quiet_NaN());
   field.x_name = axis(0, field.x);
   field.y_name = axis(1, field.y);

@@ -42,6 +42,8 @@ std::vector<std::string> comments_of(const tasks::StudyJob& job, const std::stri
                   job.machine.pose.name, dynamics::name(job.machine.kind)),
       fmt::format("machine: {}", report::mechanics_state_text(job.machine.file)),
       fmt::format("made by: {}", command)};
+  lines.push_back(fmt::format("frequencies are those of {} modes",
+                              study::frequency_kind(job.machine.file.machine)));
   for (const auto& [path, sum] : record_origin().inputs)
     lines.push_back(fmt::format("read {}: sha256 {}", path, sum));
   lines.push_back(fmt::format("written by {}", program_text()));

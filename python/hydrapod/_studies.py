@@ -104,9 +104,9 @@ def montecarlo(machine: Machine, vary: Mapping[str, str], *, want: Texts = (), s
     those of the platform that are followed. buckling: the buckling payload too. results: HDF5 file of the rows, which
     resume (go on with it), shard=(i, n) (part i of n) and join (put the parts together) need.
 
-    Result, N rows: values (N, columns) [SI, frequencies in Hz], names, units, meanings; study["x"] is a column,
-    NaN where it cannot be computed; study["status"] says why. requirements, probability_of_missing and
-    probability_interval (95 %), worst_rows; machine(row); to_records(), to_pandas(); the rest in to_dict().
+    Result, N rows: values (N, columns) [SI, frequencies in Hz: undamped ones, with elastomers those of the damped
+    modes], names, units, meanings; study["x"] is a column, NaN where it cannot be computed; study["status"] says
+    why. requirements, probability_of_missing and probability_interval (95 %), worst_rows; machine(row); to_records(), to_pandas(); the rest in to_dict().
     Raises InputError for a path, a distribution or a requirement that cannot be. Source: docs/theory/study.md.
     C++: tasks::prepare_study in hydrapod/tasks/study.hpp.
     """
@@ -162,6 +162,7 @@ def design(machine: Machine, change: Mapping[str, Any], *, minimise: Texts = (),
     requirements, "x >= 6 Hz". poses: names or displacements, the worst counts [the machine's pose]. samples: Sobol
     points at which the search begins; starts: local searches from the best of them.
 
+    Frequencies are undamped ones, with elastomers those of the damped modes.
     Result: feasible; machine, text (machine file, comments kept); paths, units, values and present (changes) [SI];
     aims, aim_values, aim_present; requirements, worst, worst_present, worst_poses; of a trade-off front_aims (n, 2)
     and front_values (n, changes); limits and the rest in to_dict(). Where no design meets all requirements,

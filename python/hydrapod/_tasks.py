@@ -161,8 +161,8 @@ def sensitivity(machine: Machine, parameters: Texts = ()) -> Sensitivity:
     d ln ω / d ln p. parameters: paths; default: all that matter.
 
     Result: parameters, omega (n,), percent_per_percent (n, p).
-    omega [rad/s], percent_per_percent [1]; NaN for modes that buckle. Raises InputError for a path that is
-    unknown. Source: docs/theory/linear-model.md. C++: tasks::sensitivity in hydrapod/tasks/linear.hpp.
+    omega: |λ| of the damped modes [rad/s]; percent_per_percent [1]; NaN for modes that buckle.
+    Raises InputError for a path that is unknown. Source: docs/theory/linear-model.md. C++: tasks::sensitivity in hydrapod/tasks/linear.hpp.
     """
     return _core.sensitivity(_core_of(machine), _checks.words(parameters, "parameters"))
 

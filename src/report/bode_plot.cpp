@@ -122,7 +122,7 @@ std::string bode_script(const Bode& bode, const std::vector<Entry>& entries, con
   std::string script = opened(terminal, file) + data_block(bode, entries);
   script += "set multiplot\n";
   script += std::string(thin_grid) + thin_axes;
-  script += logarithmic_frequencies(from, to);
+  script += logarithmic_axis(from, to);
   script += titles(text.title, text.subtitle, cells.width(), cells.height());
   for (size_t e = 0; e < entries.size(); ++e)
     script += entry_plots(bode, entries[e], e, split(cells[e], cells.height()),

@@ -5,6 +5,7 @@
 
 #include "gnuplot.hpp"
 #include "hydrapod/report/model_results.hpp"
+#include "prefix.hpp"
 
 namespace hydrapod::report {
 
@@ -32,6 +33,17 @@ Json limit_json(const study::DesignProblem& problem, const study::Limit& limit) 
   return json;
 }
 
+/// `values` [SI] in a unit; where no unit was written and the numbers are large, in the SI unit
+/// with a prefix.
+model::WrittenUnit readable(const model::WrittenUnit& unit, double largest) {
+  constexpr double few = 1e4;  // as much as ticks hold without running into each other
+  const bool takes_prefix = unit.name == "N/m" || unit.name == "Pa" || unit.name == "N m/rad" ||
+                            unit.name == "N s/m" || unit.name == "N";
+  if (!takes_prefix || largest / unit.size < few) return unit;
+  const auto prefix = prefix_of(largest / unit.size);
+  return {prefix.name + unit.name, unit.size * prefix.size};
+}
+
 Json requirements_json(const study::DesignProblem& problem, const study::DesignResult& result) {
   Json all = Json::array();
   for (std::size_t k = 0; k < problem.requirements.size(); ++k) {
@@ -39,6 +51,7 @@ Json requirements_json(const study::DesignProblem& problem, const study::DesignR
     const double value = result.best.worst[k];
     Json one{{"requirement", wanted.text},
              {"unit", problem.outputs[static_cast<std::size_t>(wanted.output)].unit},
+             {"meaning", problem.outputs[static_cast<std::size_t>(wanted.output)].meaning},
              {"bound", wanted.bound},
              {"present", number_or_null(result.present.worst[k])},
              {"value", number_or_null(value)},
@@ -78,11 +91,15 @@ Json design_json(const study::DesignProblem& problem, const study::DesignResult&
                                {"value", result.best.values[k]}});
   }
   json["aims"] = Json::array();
-  for (std::size_t k = 0; k < problem.aims.size(); ++k)
-    json["aims"].push_back({{"aim", problem.aims[k].text},
-                            {"unit", problem.aims[k].unit},
-                            {"present", number_or_null(result.present.aims[k])},
-                            {"value", number_or_null(result.best.aims[k])}});
+  for (std::size_t k = 0; k < problem.aims.size(); ++k) {
+    const auto& aim = problem.aims[k];
+    Json one{{"aim", aim.text}, {"unit", aim.unit}};
+    if (aim.output >= 0)
+      one["meaning"] = problem.outputs[static_cast<std::size_t>(aim.output)].meaning;
+    one["present"] = number_or_null(result.present.aims[k]);
+    one["value"] = number_or_null(result.best.aims[k]);
+    json["aims"].push_back(std::move(one));
+  }
   json["requirements"] = requirements_json(problem, result);
   json["limits"] = Json::array();
   for (const auto& limit : result.limits) json["limits"].push_back(limit_json(problem, limit));
@@ -93,74 +110,99 @@ Json design_json(const study::DesignProblem& problem, const study::DesignResult&
 }
 
 void plot_trade_off(const study::DesignProblem& problem, const study::DesignResult& result,
-                    const std::string& title, const std::string& subtitle,
+                    const DesignUnits& units, const std::string& title, const std::string& subtitle,
                     const std::string& path) {
   constexpr int width = 860, height = 620;
+  std::array<model::WrittenUnit, 2> unit;
+  for (std::size_t k = 0; k < unit.size(); ++k) {
+    double largest = 0.0;
+    for (const auto& point : result.front) largest = std::max(largest, std::abs(point.aims[k]));
+    unit.at(k) = readable(units.aims[k], largest);
+  }
+  const auto row = [&](const std::vector<double>& aims) {
+    return fmt::format("{:.9g} {:.9g}\n", aims[0] / unit[0].size, aims[1] / unit[1].size);
+  };
   std::string front;
-  for (const auto& point : result.front)
-    front += fmt::format("{:.9g} {:.9g}\n", point.aims[0], point.aims[1]);
+  for (const auto& point : result.front) front += row(point.aims);
   const auto axis = [&](std::size_t k) {
-    return quoted(fmt::format("{} [{}]", problem.aims[k].name, problem.aims[k].unit));
+    return quoted(fmt::format("{} [{}]", problem.aims[k].name, unit.at(k).name));
   };
   std::string script =
       titles(title, subtitle, width, height) + thin_axes + thin_grid + block_of("front", front) +
-      block_of("best", fmt::format("{:.9g} {:.9g}\n", result.best.aims[0], result.best.aims[1])) +
+      block_of("best", row(result.best.aims)) +
       at_screen({0.13, 0.97, 1.0 - 96.0 / height, 60.0 / height}) + key_below_titles(height) +
       fmt::format("set xlabel {}\nset ylabel {}\n", axis(0), axis(1)) +
       "plot $front using 1:2 with linespoints lw 2 pt 7 ps 0.8 lc rgb '#0072b2' title 'trade-off', "
       "$best using 1:2 with points pt 6 ps 2.2 lw 2 lc rgb "
       "'#d55e00' title 'nearest to both ends'";
   if (result.present.feasible) {
-    script = block_of("present", fmt::format("{:.9g} {:.9g}\n", result.present.aims[0],
-                                             result.present.aims[1])) +
-             script +
+    script = block_of("present", row(result.present.aims)) + script +
              ", $present using 1:2 with points pt 2 ps 1.6 lw 2 lc rgb '#444444' title 'present "
              "machine'";
   }
   draw(path, width, height, script + "\n");
 }
 
+namespace {
+
+/// Columns: the changed number in `unit`, and of each requirement what is to spare [% of its
+/// bound].
+std::string slice_rows(const study::DesignProblem& problem, const study::Slice& slice,
+                       const model::WrittenUnit& unit) {
+  std::string rows;
+  for (std::size_t i = 0; i < slice.values.size(); ++i) {
+    rows += fmt::format("{:.9g}", slice.values[i] / unit.size);
+    for (std::size_t r = 0; r < slice.worst.size(); ++r) {
+      const auto& wanted = problem.requirements[r];
+      const double size = wanted.bound != 0.0 ? std::abs(wanted.bound) : 1.0;
+      const double spare =
+          (wanted.at_least ? 1.0 : -1.0) * (slice.worst[r][i] - wanted.bound) / size * 100.0;
+      rows += std::isfinite(spare) ? fmt::format(" {:.9g}", spare) : " NaN";
+    }
+    rows += '\n';
+  }
+  return rows;
+}
+
+/// Axis of a changed number, logarithmic over a decade and more.
+std::string slice_axis(const study::Input& change, const study::Slice& slice,
+                       const model::WrittenUnit& unit) {
+  constexpr double decade = 10.0;
+  const auto& range = change.distribution;
+  const double from = slice.values.front() / unit.size, to = slice.values.back() / unit.size;
+  const bool ratios = range.a > 0.0 && range.b >= decade * range.a;
+  return (ratios ? logarithmic_axis(from, to)
+                 : fmt::format("unset logscale x\nset xrange [{:.9g}:{:.9g}]\n"
+                               "set xtics autofreq\n",
+                               from, to)) +
+         fmt::format("set xlabel {}\n", quoted(fmt::format("{} [{}]", change.name, unit.name)));
+}
+
+}  // namespace
+
 void plot_design_slices(const study::DesignProblem& problem, const study::DesignResult& result,
-                        const std::vector<study::Slice>& slices, const std::string& title,
-                        const std::string& subtitle, const std::string& path) {
-  constexpr double decade = 10.0, most = 60.0;  // per cent shown
+                        const DesignUnits& units, const std::vector<study::Slice>& slices,
+                        const std::string& title, const std::string& subtitle,
+                        const std::string& path) {
+  constexpr double most = 60.0;  // per cent shown
   const CellGrid grid(slices.size());
   std::string script = titles(title, subtitle, grid.width(), grid.height()) + thin_axes +
                        thin_grid + "set multiplot\n" + key_below_titles(grid.height());
   for (std::size_t k = 0; k < slices.size(); ++k) {
     const auto& slice = slices[k];
-    const auto& change = problem.changes[k];
+    const auto unit = readable(units.changes[k], std::abs(slice.values.back()));
     const std::string name = fmt::format("slice{}", k);
-    std::string rows;
-    for (std::size_t i = 0; i < slice.values.size(); ++i) {
-      rows += fmt::format("{:.9g}", slice.values[i]);
-      for (std::size_t r = 0; r < slice.worst.size(); ++r) {
-        const auto& wanted = problem.requirements[r];
-        const double size = wanted.bound != 0.0 ? std::abs(wanted.bound) : 1.0;
-        const double spare =
-            (wanted.at_least ? 1.0 : -1.0) * (slice.worst[r][i] - wanted.bound) / size * 100.0;
-        rows += std::isfinite(spare) ? fmt::format(" {:.9g}", spare) : " NaN";
-      }
-      rows += '\n';
-    }
-    const bool ratios =
-        change.distribution.a > 0.0 && change.distribution.b >= decade * change.distribution.a;
     script +=
-        block_of(name, rows) + at_screen(grid[k]) +
-        fmt::format("{}set logscale x\nset xrange [{:.9g}:{:.9g}]\nset yrange [{}:{}]\n",
-                    ratios ? "" : "un", slice.values.front(), slice.values.back(), -most, most) +
-        fmt::format("set xlabel {}\nset ylabel 'to spare, % of the bound'\n",
-                    quoted(fmt::format("{} [{}]", change.name, change.unit))) +
-        fmt::format("set format x '{}'\n", ratios                       ? "%.0s %c"
-                                           : slice.values.back() >= 1e5 ? "%.1s %c"
-                                                                        : "%g") +
+        block_of(name, slice_rows(problem, slice, unit)) + at_screen(grid[k]) +
+        slice_axis(problem.changes[k], slice, unit) +
+        fmt::format("set yrange [{}:{}]\nset ylabel 'to spare, % of the bound'\n", -most, most) +
         "set object 1 rectangle from graph 0, first -1000 to graph 1, "
         "first 0 behind fc rgb '#eeeeee' fs solid noborder\n" +
         fmt::format(
             "set arrow 1 from first {0:.9g}, graph 0 to first {0:.9g}, graph 1 "
             "nohead lw 1.5 dt 2 lc rgb '#444444'\n",
-            result.best.values[k]);
-    if (k > 0) script += "unset key\n";
+            result.best.values[k] / unit.size);
+    if (k > 0) script += "unset key\nunset label 101\nunset label 102\n";  // drawn once
     script += "plot ";
     for (std::size_t r = 0; r < slice.worst.size(); ++r)
       script += fmt::format("{}${} using 1:{} with lines lw 2 lc rgb '{}' title {}",

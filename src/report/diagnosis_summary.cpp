@@ -8,6 +8,7 @@
 #include <set>
 
 #include "hydrapod/base/units.hpp"
+#include "hydrapod/study/study.hpp"
 
 namespace hydrapod::report {
 
@@ -178,11 +179,14 @@ std::string sleeve_words(const CaseFile& file) {
   return fmt::format("{} (nominal {})", present, nominal);
 }
 
-/// Where the measurement was not of mechanics, frequencies of mechanics are others.
-std::string_view alone_words(const CaseFile& file) {
+/// Of which modes the calculated frequencies are. Where the measurement was not of mechanics,
+/// frequencies of mechanics are others.
+std::string alone_words(const CaseFile& file) {
+  const auto kind = study::frequency_kind(file.machine);
   const bool other =
       file.diagnosis && file.diagnosis->targets.observed != observation::Observed::mechanics;
-  return other ? " (mechanics alone, at the pressures in the file)" : "";
+  return other ? fmt::format(" (mechanics alone, {} modes, at the pressures in the file)", kind)
+               : fmt::format(" ({} modes)", kind);
 }
 
 /// Modes below the first resonances, which hold a smaller share: those with the highest peaks. True

@@ -8,6 +8,7 @@
 #include "fields.hpp"
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/model/machine_file.hpp"
+#include "hydrapod/study/study.hpp"
 
 namespace hydrapod::report {
 
@@ -123,9 +124,15 @@ Json editable_json(const model::MachineFile& file, const std::vector<model::Name
                    dynamics::ModelKind kind) {
   auto machine = file.machine;
   static const Json all_scales = scales();
-  Json json{{"numbers", Json::object()}, {"words", Json::object()},      {"poses", Json::array()},
-            {"shown", Json::array()},    {"own", own_legs(file)},        {"units", units_of(file)},
-            {"scales", all_scales},      {"model", dynamics::name(kind)}};
+  Json json{{"numbers", Json::object()},
+            {"words", Json::object()},
+            {"poses", Json::array()},
+            {"shown", Json::array()},
+            {"own", own_legs(file)},
+            {"units", units_of(file)},
+            {"scales", all_scales},
+            {"model", dynamics::name(kind)},
+            {"frequencies", study::frequency_kind(machine)}};
   for (const auto& row : model::parameter_table()) {
     if (row.path.starts_with(of_poses)) continue;
     const std::string path(row.path);

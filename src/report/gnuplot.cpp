@@ -102,7 +102,8 @@ void draw(const std::string& path, int width, int height, const Script& script) 
   base::write_file_whole(file.string(), script(terminal, picture.string()));
   run_gnuplot(file, folder.path / "log");
   const std::string drawn = file_text(picture);
-  base::write_file_whole(path, path.ends_with(".svg") ? joined_cells(drawn) : drawn);
+  base::write_file_whole(path,
+                         with_origin(path.ends_with(".svg") ? joined_cells(drawn) : drawn, path));
 }
 
 void draw(const std::string& path, int width, int height, const std::string& body) {
@@ -226,7 +227,7 @@ std::vector<double> even_ticks(double from, double to) {
 
 }  // namespace
 
-std::string logarithmic_frequencies(double from, double to) {
+std::string logarithmic_axis(double from, double to) {
   constexpr std::size_t enough = 4, most = 11;  // twelve contain four powers of ten
   auto ticks = decade_ticks(from, to, {1.0, 2.0, 5.0});
   if (ticks.size() > most) ticks = decade_ticks(from, to, {1.0});
@@ -285,6 +286,39 @@ std::string six_lines(const char* name, int first, int step, double width,
 }
 
 double level_db(double magnitude) { return 20.0 * std::log10(std::max(magnitude, 1e-300)); }
+
+double phase_cut(const std::vector<double>& degrees) {
+  constexpr int bins = 72, wide = 360 / bins;
+  std::array<int, bins> count{};
+  for (const double angle : degrees)
+    if (std::isfinite(angle))
+      ++count.at(static_cast<std::size_t>(within_turn(angle, 0.0) / wide) % bins);
+  const int least = *std::ranges::min_element(count);
+  int longest = 0, middle = bins / 2;  // twice the number of bins below the middle of the run
+  for (int begin = 0; begin < bins; ++begin) {
+    int length = 0;
+    while (length < bins && count.at(static_cast<std::size_t>((begin + length) % bins)) == least)
+      ++length;
+    if (length <= longest || length == bins) continue;
+    longest = length;
+    middle = (2 * begin + length) % (2 * bins);
+  }
+  if (longest == 0) return -180.0;  // all angles or none
+  return within_turn(0.5 * wide * middle, 0.0) - 360.0;
+}
+
+double within_turn(double angle, double from) {
+  const double turned = angle - 360.0 * std::floor((angle - from) / 360.0);
+  return turned < from + 360.0 ? turned : from;
+}
+
+std::string phase_line(const std::string& block, int column, const std::string& style) {
+  constexpr double most = 135.0;
+  return fmt::format(
+      "last = NaN, ${0} using 1:(step = column({1}) - last, last = column({1}), "
+      "abs(step) > {2} ? NaN : last) with lines {3}",
+      block, column, most, style);
+}
 
 double continued(double angle, double last, double turn) {
   return angle + turn * std::round((last - angle) / turn);

@@ -23,6 +23,10 @@ void draw(const std::string& path, int width, int height, const Script& script);
 /// With opened() and the end around `body`.
 void draw(const std::string& path, int width, int height, const std::string& body);
 
+/// `picture`, the bytes of a file `path` (.svg, .png, .pdf), with what state_in_pictures() asked
+/// for.
+std::string with_origin(std::string picture, std::string_view path);
+
 /// How a script begins: plots to `file`, texts as they are.
 std::string opened(const std::string& terminal, const std::string& file);
 
@@ -58,9 +62,9 @@ struct CellGrid {
   [[nodiscard]] Cell operator[](std::size_t index) const;
 };
 
-/// A logarithmic axis x over frequencies `from` … `to` [Hz] with four labels or more: 1, 2, 5 times
+/// A logarithmic axis x over `from` … `to` with four labels or more: 1, 2, 5 times
 /// powers of ten, the powers alone in a wide band, numbers closer together in a narrow one.
-std::string logarithmic_frequencies(double from, double to);
+std::string logarithmic_axis(double from, double to);
 
 /// Numbers of the values of `at`, which ascend, at which stretches of an axis begin, and the number
 /// of values at the end: at most `most` stretches, equally wide on a linear or logarithmic axis.
@@ -84,6 +88,16 @@ std::string named_tics(char axis, const std::vector<std::string>& names, int fir
 /// dashed, since in a symmetric machine those of x and rx lie below them.
 std::string six_lines(const char* name, int first, int step, double width,
                       const std::array<std::string, 6>& names, bool directions = false);
+
+/// Where phases [°] are cut: the angle `from` in (−360°, 0°] for which they lie in from … from +
+/// 360° with the most room at both ends. Measured curves are not made continuous: noise would turn
+/// them.
+double phase_cut(const std::vector<double>& degrees);
+/// `angle` plus the whole turns that bring it between `from` and `from` + 360°.
+double within_turn(double angle, double from);
+/// Column `column` of `$block` over the first one as a line with gaps where it steps by more than a
+/// phase does from line to line: at the cut, and in noise.
+std::string phase_line(const std::string& block, int column, const std::string& style);
 
 /// 20 lg |H|, also of what vanishes.
 double level_db(double magnitude);

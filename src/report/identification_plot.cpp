@@ -87,16 +87,32 @@ bool is_wide(const FrequencyResponses& r, std::size_t lines) {
 }
 
 std::string values_of(const FrequencyResponses& r, const identification::ModalModel* model,
-                      const Pair& pair, std::size_t k, double radius) {
+                      const Pair& pair, std::size_t k, double radius, double cut) {
   const auto [o, i] = pair;
   const auto h = r.H[k](o, i);
   const double band = r.has_errors() ? radius * std::sqrt(r.variance(k, o, i)) : 0.0;
-  std::string text = fmt::format(" {:.4f} {:.4f} {:.4f} {:.3f}", level_db(std::abs(h)),
-                                 level_db(std::max(std::abs(h) - band, 0.1 * std::abs(h))),
-                                 level_db(std::abs(h) + band), std::arg(h) * degree);
+  std::string text =
+      fmt::format(" {:.4f} {:.4f} {:.4f} {:.3f}", level_db(std::abs(h)),
+                  level_db(std::max(std::abs(h) - band, 0.1 * std::abs(h))),
+                  level_db(std::abs(h) + band), within_turn(std::arg(h) * degree, cut));
   if (model == nullptr) return text + " NaN NaN";
   const auto fit = identification::synthesised(*model, r.frequency[k], r.shift)(o, i);
-  return text + fmt::format(" {:.4f} {:.3f}", level_db(std::abs(fit)), std::arg(fit) * degree);
+  return text + fmt::format(" {:.4f} {:.3f}", level_db(std::abs(fit)),
+                            within_turn(std::arg(fit) * degree, cut));
+}
+
+/// One for what was measured and for the model.
+double common_cut(const FrequencyResponses& r, const identification::ModalModel* model,
+                  const Pair& pair, std::size_t shown) {
+  std::vector<double> phases;
+  for (std::size_t k = 0; k < shown; ++k) {
+    phases.push_back(std::arg(r.H[k](pair.output, pair.input)) * degree);
+    if (model != nullptr)
+      phases.push_back(std::arg(identification::synthesised(*model, r.frequency[k], r.shift)(
+                           pair.output, pair.input)) *
+                       degree);
+  }
+  return phase_cut(phases);
 }
 
 /// Of lines that share a pixel the lowest and the highest of each entry, in their order: the curve
@@ -108,13 +124,16 @@ std::string data_block(const FrequencyResponses& r, const identification::ModalM
   const std::vector<double> frequency(r.frequency.begin(),
                                       r.frequency.begin() + static_cast<Index>(shown));
   const auto begins = stretches_of(frequency, is_wide(r, shown), most_stretches);
+  std::vector<double> cuts;
+  for (const auto& pair : pairs) cuts.push_back(common_cut(r, model, pair, shown));
   std::string text;
   for (std::size_t s = 0; s + 1 < begins.size(); ++s) {
     const std::size_t first = begins[s], end = begins[s + 1];
     const std::size_t rows = std::min<std::size_t>(2, end - first);
     std::vector<std::string> lines{fmt::format("{:.9g}", r.frequency[first]),
                                    fmt::format("{:.9g}", r.frequency[end - 1])};
-    for (const auto& pair : pairs) {
+    for (std::size_t e = 0; e < pairs.size(); ++e) {
+      const auto& pair = pairs[e];
       std::size_t least = first, most = first;
       const auto level = [&](std::size_t k) { return std::abs(r.H[k](pair.output, pair.input)); };
       for (std::size_t k = first; k < end; ++k) {
@@ -123,7 +142,7 @@ std::string data_block(const FrequencyResponses& r, const identification::ModalM
       }
       const std::array at{std::min(least, most), std::max(least, most)};
       for (std::size_t row = 0; row < rows; ++row)
-        lines[row] += values_of(r, model, pair, at[row], radius);
+        lines[row] += values_of(r, model, pair, at[row], radius, cuts[e]);
     }
     for (std::size_t row = 0; row < rows; ++row) text += lines[row] + '\n';
   }
@@ -133,7 +152,7 @@ std::string data_block(const FrequencyResponses& r, const identification::ModalM
 /// Over the first `lines`, logarithmic where they are far apart.
 std::string frequency_axis(const FrequencyResponses& r, std::size_t lines) {
   const double from = r.frequency.front(), to = r.frequency[lines - 1];
-  return thin_grid + (is_wide(r, lines) ? logarithmic_frequencies(from, to)
+  return thin_grid + (is_wide(r, lines) ? logarithmic_axis(from, to)
                                         : fmt::format("set xrange [{:.9g}:{:.9g}]\n", from, to));
 }
 
@@ -181,15 +200,11 @@ std::string entry_plots(const FrequencyResponses& r, const Pair& pair, std::size
   text += "\nunset label\nunset title\nunset key\n" + at_screen(cells.phase);
   text +=
       "set format x '%g'\nset xlabel 'Hz' offset 0,0.6\nset ylabel 'phase °' offset 1.2,0\n"
-      "set ytics 90\nset yrange [-190:190]\n";
+      "set ytics 90\nset autoscale yfix\nset offsets 0,0,10,10\n";
   text += fmt::format("plot $frf using 1:{} with points pt 7 ps 0.25 lc rgb '#0072b2'", first + 3);
   if (with_fit)
-    // no line from −180° to 180°
-    text += fmt::format(
-        ", last = NaN, $frf using 1:(step = column({0}) - last, last = column({0}), "
-        "abs(step) > 180 ? NaN : last) with lines lw 1 dt 2 lc rgb '#d55e00'",
-        first + 5);
-  return text + "\n";
+    text += ", " + phase_line("frf", static_cast<int>(first) + 5, "lw 1 dt 2 lc rgb '#d55e00'");
+  return text + "\nunset offsets\nset autoscale y\n";
 }
 
 }  // namespace

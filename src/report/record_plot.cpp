@@ -100,7 +100,7 @@ std::string row_script(const data::Channel& channel, const ShownUnit& shown_as, 
   text += "unset label 2\n";
   if (spectrum.segments == 0 || spectrum.frequency.size() < 3) return text;
   const auto& f = spectrum.frequency;
-  text += at_screen({0.69, 0.985, top, bottom}) + logarithmic_frequencies(f[1], f[f.size() - 1]);
+  text += at_screen({0.69, 0.985, top, bottom}) + logarithmic_axis(f[1], f[f.size() - 1]);
   text += fmt::format("set format x '{}'\nset xlabel '{}'\nset ylabel {}\n", last ? "%g" : "",
                       last ? "Hz" : "", quoted("dB re 1 (" + unit + ")²/Hz"));
   return text + fmt::format("plot $spectra using 1:{} with lines lw 1 lc rgb '#d55e00'\n", 2 + row);

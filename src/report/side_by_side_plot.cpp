@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <iterator>
 #include <limits>
 #include <numbers>
@@ -166,21 +167,37 @@ double highest_shown(const SideBySide& result) {
   return highest > 0.0 ? room * highest : std::numeric_limits<double>::infinity();
 }
 
-std::string response_rows(const ComparedThing::Response& response, double highest) {
+double degrees_of(const std::complex<double>& H) { return std::arg(H) * 180.0 / std::numbers::pi; }
+
+bool is_shown(const ComparedThing::Response& response, std::size_t line, double highest) {
+  return response.frequency[line] > 0.0 && response.frequency[line] <= highest;
+}
+
+std::string response_rows(const ComparedThing::Response& response, double highest, double cut) {
   std::string rows;
   for (std::size_t k = 0; k < response.H.size(); ++k)
-    if (response.frequency[k] > 0.0 && response.frequency[k] <= highest)
+    if (is_shown(response, k, highest))
       rows += fmt::format("{:.9g} {:.6f} {:.4f}\n", response.frequency[k],
                           level_db(std::abs(response.H[k])),
-                          std::arg(response.H[k]) * 180.0 / std::numbers::pi);
+                          within_turn(degrees_of(response.H[k]), cut));
   return rows;
+}
+
+/// One for all things: what lies side by side is drawn side by side.
+double common_cut(const SideBySide& result, const std::string& name, double highest) {
+  std::vector<double> phases;
+  for (const auto& thing : result.things)
+    for (const auto& response : thing.responses)
+      for (std::size_t k = 0; response.name == name && k < response.H.size(); ++k)
+        if (is_shown(response, k, highest)) phases.push_back(degrees_of(response.H[k]));
+  return phase_cut(phases);
 }
 
 /// One response of all things that have it, one over the other.
 std::string overlay(const SideBySide& result, const std::string& name, std::size_t number,
                     const CellPair& cells) {
   std::string blocks, magnitudes, phases, unit;
-  const double highest = highest_shown(result);
+  const double highest = highest_shown(result), cut = common_cut(result, name, highest);
   double from = std::numeric_limits<double>::infinity(), to = 0.0;
   for (std::size_t t = 0; t < result.things.size(); ++t)
     for (const auto& response : result.things[t].responses) {
@@ -190,18 +207,17 @@ std::string overlay(const SideBySide& result, const std::string& name, std::size
         if (f > 0.0) from = std::min(from, f);
       to = std::max(to, std::min(highest, response.frequency.back()));
       const std::string block = fmt::format("r{}_{}", number, t);
-      blocks += block_of(block, response_rows(response, highest));
-      const std::string style =
-          fmt::format("with lines lw 2{} lc rgb '{}'", t == 0 ? "" : " dt (8,4)", colour(t));
+      blocks += block_of(block, response_rows(response, highest, cut));
+      const std::string line =
+          fmt::format("lw 2{} lc rgb '{}'", t == 0 ? "" : " dt (8,4)", colour(t));
       const char* comma = magnitudes.empty() ? "" : ", ";
-      magnitudes +=
-          fmt::format("{}${} using 1:2 {} title {}", comma, block, style, quoted(letter(t)));
-      phases += fmt::format("{}${} using 1:3 with points pt 7 ps 0.25 lc rgb '{}' notitle", comma,
-                            block, colour(t));
+      magnitudes += fmt::format("{}${} using 1:2 with lines {} title {}", comma, block, line,
+                                quoted(letter(t)));
+      phases += comma + phase_line(block, 3, line + " notitle");
     }
   if (magnitudes.empty()) return {};
   std::string script = blocks + "unset xzeroaxis\nset xtics norotate\n" +
-                       logarithmic_frequencies(from, to) + at_screen(cells.magnitude);
+                       logarithmic_axis(from, to) + at_screen(cells.magnitude);
   script += fmt::format(
       "set title {} offset 0,-0.6\nset ylabel {} offset 1.2,0\nset format x ''\nset xlabel ''\n"
       "set ytics autofreq\nset autoscale y\nplot {}\n",
@@ -209,7 +225,8 @@ std::string overlay(const SideBySide& result, const std::string& name, std::size
   script += std::string(titles_drawn) + "unset title\n" + at_screen(cells.phase);
   script += fmt::format(
       "set format x '%g'\nset xlabel 'Hz' offset 0,0.6\nset ylabel 'phase °' offset 1.2,0\n"
-      "set ytics 90\nset yrange [-190:190]\nplot {}\n",
+      "set ytics 90\nset autoscale yfix\nset offsets 0,0,10,10\nplot {}\n"
+      "unset offsets\nset autoscale y\n",
       phases);
   return script + titles_drawn;
 }

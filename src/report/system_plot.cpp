@@ -217,7 +217,7 @@ void plot_command_response(const CommandResponse& response, const std::string& t
                            const std::string& subtitle, const std::string& path) {
   std::string text = beginning(title, subtitle) + response_block(response);
   text += "set multiplot\n" +
-          logarithmic_frequencies(response.omega.front() / two_pi, response.omega.back() / two_pi);
+          logarithmic_axis(response.omega.front() / two_pi, response.omega.back() / two_pi);
   text += at_screen({0.09, 0.97, 1.0 - 88.0 / plane_height, 0.42}) +
           "set format x ''\nset ylabel 'dB, platform / command'\nset yrange [-40:*]\n" +
           key_below_titles(plane_height);

@@ -116,15 +116,20 @@ Followed follow(const Nominal& nominal, const LinearModel& model, const NormalMo
 
 }  // namespace
 
+std::string frequency_kind(const model::Machine& machine) {
+  return model::has_elastomers(machine) ? "damped" : "undamped";
+}
+
 std::vector<Column> columns_of(const Kept& kept) {
+  const std::string of = fmt::format("{} frequency of the ", frequency_kind(kept.machine));
   std::vector<Column> columns{
       {"status", "1",
        "0 computed, 1 number not allowed, 2 pose out of reach, 3 no equilibrium, 4 buckled"},
-      {"lowest", "Hz", "lowest mode with platform motion"},
+      {"lowest", "Hz", of + "lowest mode with platform motion"},
       {"direction", "1", "its main direction, 1 … 6 for x … rz"},
       {"drop", "1", "its frequency against that of its counterpart with rigid legs, share lost"}};
   for (const char* name : spatial::direction_names)
-    columns.push_back({name, "Hz", fmt::format("first resonance in {}", name)});
+    columns.push_back({name, "Hz", fmt::format("{}first resonance in {}", of, name)});
   for (const char* name : spatial::direction_names)
     columns.push_back({fmt::format("drop_{}", name), "1",
                        fmt::format("first resonance in {} against rigid legs, share lost", name)});
@@ -133,8 +138,8 @@ std::vector<Column> columns_of(const Kept& kept) {
   columns.push_back({"mac", "1", "least MAC of the followed modes with the nominal ones"});
   for (std::size_t k = 0; k < kept.nominal.followed.size(); ++k)
     columns.push_back({fmt::format("mode{}", k + 1), "Hz",
-                       fmt::format("mode that is like mode {} of the nominal machine, {:.4g} Hz",
-                                   kept.nominal.followed[k] + 1,
+                       fmt::format("{}mode that is like mode {} of the nominal machine, {:.4g} Hz",
+                                   of, kept.nominal.followed[k] + 1,
                                    hertz(kept.nominal.modes.omega(kept.nominal.followed[k])))});
   if (kept.options.buckling)
     columns.push_back({"buckling", "kg", "payload at which the legs buckle; none: not found"});

@@ -270,7 +270,8 @@ void add_abilities(const model::Machine& machine, dynamics::ModelKind kind, Pose
   if (!result.equilibrium) return;
   const auto square = lowest_square(machine, kind, result);
   if (!square || *square <= 0.0) return;
-  result.first_resonance = std::sqrt(*square);
+  result.first_resonance =
+      modal::mode_table(machine, result.pose.X_BP, kind).real.modes.front().mode.omega;
   if (model::leg_type(machine) == model::LegType::strut) return;  // nothing moves the platform
   if (std::ranges::find(result.warnings, Kind::weak_pump, &report::PoseWarning::kind) !=
       result.warnings.end())

@@ -293,6 +293,7 @@ void write_results(const StudyJob& job, const study::Spool& spool, const StudyRu
                 {"overrides", fmt::format("{}", fmt::join(job.machine.file.overrides, "\n"))},
                 {"pose", job.machine.pose.name},
                 {"model", dynamics::name(job.machine.kind)},
+                {"frequencies", study::frequency_kind(job.machine.file.machine)},
                 {"program", fmt::format("hydrapod {}", base::version)}};
   if (!options.command.empty()) file.texts["command"] = options.command;
   file.numbers = {{"samples", static_cast<double>(job.plan.samples)},

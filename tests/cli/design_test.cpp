@@ -74,10 +74,10 @@ TEST(DesignCommand, TradesOneAimForAnother) {
               "--trade-off", "5", "--plot", (folder / "front.svg").string()});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.out, HasSubstr("Trade-off"));
-  EXPECT_THAT(test::read_text(folder / "front.svg"), HasSubstr("platform.mass"));
+  EXPECT_THAT(test::read_text(folder / "front.svg"), HasSubstr("platform.mass [t]"));
 }
 
-/// Axes over more than a decade are logarithmic, others are not.
+/// Axes over more than a decade are logarithmic, others are not; both are in the units of the file.
 TEST(DesignCommand, DrawsTheRequirementsOverEachChange) {
   const test::TemporaryFolder folder;
   const auto run = design({"--change", "legs.guide_sleeve.stiffness=1:20 kN/mm", "--change",
@@ -85,8 +85,20 @@ TEST(DesignCommand, DrawsTheRequirementsOverEachChange) {
                            "lowest", "--plot", (folder / "slices.svg").string()});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(test::read_text(folder / "slices.svg"),
-              AllOf(HasSubstr("legs.guide_sleeve.stiffness"), HasSubstr("platform.mass"),
-                    HasSubstr("12500")));
+              AllOf(HasSubstr("legs.guide_sleeve.stiffness [kN/mm]"), HasSubstr("> 20<"),
+                    HasSubstr("platform.mass [t]"), HasSubstr("> 12.5<")));
+  // a file without units has numbers in SI, which are large
+  const auto file = (folder / "si.toml").string(), picture = (folder / "si.svg").string();
+  auto text = test::read_text(machine);
+  const std::string soft = "\"0.84 kN/mm\"";
+  text.replace(text.find(soft), soft.size(), "8.4e5");
+  test::write_text(file, text);
+  const auto si = test::run_hydrapod(
+      {"design", file, "--change", "legs.guide_sleeve.stiffness=1e6:2e7", "--want", "x >= 5 Hz",
+       "--maximise", "lowest", "--samples", "64", "--starts", "1", "--plot", picture});
+  ASSERT_EQ(si.exit_code, 0) << si.err;
+  EXPECT_THAT(test::read_text(picture),
+              AllOf(HasSubstr("legs.guide_sleeve.stiffness [MN/m]"), HasSubstr("> 20<")));
 }
 
 TEST(DesignCommand, RefusesWhatItCannotUnderstand) {

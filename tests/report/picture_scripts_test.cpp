@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <complex>
 #include <functional>
+#include <numbers>
 #include <sstream>
 
 #include "hydrapod/report/measured_results.hpp"
@@ -35,13 +37,12 @@ std::vector<double> ticks_of(const std::string& script) {
 
 TEST(LogarithmicFrequencies, AreLabelledInOneWay) {
   using testing::ElementsAre;
-  EXPECT_THAT(ticks_of(logarithmic_frequencies(3.052, 99.98)), ElementsAre(5, 10, 20, 50));
-  EXPECT_THAT(ticks_of(logarithmic_frequencies(0.5, 100.0)),
-              ElementsAre(0.5, 1, 2, 5, 10, 20, 50, 100));
-  EXPECT_THAT(ticks_of(logarithmic_frequencies(0.013, 513.0)), ElementsAre(0.1, 1, 10, 100));
-  EXPECT_THAT(ticks_of(logarithmic_frequencies(4.1, 31.0)), ElementsAre(5, 7, 10, 15, 20, 30));
-  EXPECT_THAT(ticks_of(logarithmic_frequencies(10.3, 14.7)), ElementsAre(11, 12, 13, 14));
-  EXPECT_THAT(logarithmic_frequencies(3.052, 99.98),
+  EXPECT_THAT(ticks_of(logarithmic_axis(3.052, 99.98)), ElementsAre(5, 10, 20, 50));
+  EXPECT_THAT(ticks_of(logarithmic_axis(0.5, 100.0)), ElementsAre(0.5, 1, 2, 5, 10, 20, 50, 100));
+  EXPECT_THAT(ticks_of(logarithmic_axis(0.013, 513.0)), ElementsAre(0.1, 1, 10, 100));
+  EXPECT_THAT(ticks_of(logarithmic_axis(4.1, 31.0)), ElementsAre(5, 7, 10, 15, 20, 30));
+  EXPECT_THAT(ticks_of(logarithmic_axis(10.3, 14.7)), ElementsAre(11, 12, 13, 14));
+  EXPECT_THAT(logarithmic_axis(3.052, 99.98),
               HasSubstr("set logscale x\nset xrange [3.052:99.98]\n"));
 }
 
@@ -49,7 +50,7 @@ TEST(LogarithmicFrequencies, AreLabelledInOneWay) {
 TEST(LogarithmicFrequencies, HaveFourLabelsOrMoreInAnyBand) {
   for (double from = 0.00137; from < 300.0; from *= 1.37)
     for (double ratio = 1.013; ratio < 1e6; ratio *= 1.19) {
-      const auto ticks = ticks_of(logarithmic_frequencies(from, from * ratio));
+      const auto ticks = ticks_of(logarithmic_axis(from, from * ratio));
       EXPECT_GE(ticks.size(), 4U) << from << " … " << from * ratio;
       EXPECT_LE(ticks.size(), 11U) << from << " … " << from * ratio;
       EXPECT_TRUE(std::ranges::is_sorted(ticks));
@@ -301,6 +302,50 @@ TEST(PicturesOfComparisons, AnIntervalThatLeavesTheFrameIsMarked) {
                             HasSubstr("point pt 11"), HasSubstr("(▲▼ beyond the frame)")));
   both.comparisons[0].pairs[2].frequency.deviation = 1.0;
   EXPECT_THAT(script_of(draw), Not(HasSubstr("±")));
+}
+
+/// The cut is where no phase is, and in the middle of the widest gap.
+TEST(Phases, AreCutWhereNoneIs) {
+  EXPECT_EQ(phase_cut({}), -180.0);
+  EXPECT_EQ(phase_cut({0.1, -0.1}), -180.0);
+  EXPECT_EQ(phase_cut({-178.0, 171.0, -37.0, 33.0}), -257.5);  // widest gap: 35° … 170°
+  EXPECT_EQ(phase_cut({179.0, -179.0}), -360.0);
+  EXPECT_EQ(within_turn(171.0, -255.0), -189.0);
+  EXPECT_EQ(within_turn(-255.0, -255.0), -255.0);
+  EXPECT_EQ(within_turn(105.0, -255.0), -255.0);
+  for (double angle = -179.3; angle < 180.0; angle += 7.7) {
+    const double cut = phase_cut({angle, angle + 93.1});
+    EXPECT_LT(within_turn(angle, cut), within_turn(angle + 93.1, cut)) << angle;
+    EXPECT_GE(cut, -360.0);
+    EXPECT_LT(cut, 0.0);
+  }
+}
+
+/// −178° and 171° are 11° apart: they were drawn 349° apart, with jumps.
+TEST(PicturesOfComparisons, PhasesThatPassHalfATurnDoNotJump) {
+  SideBySide both;
+  both.things.resize(2);
+  for (std::size_t t = 0; t < 2; ++t) {
+    ComparedThing::Response response{.name = "x from x", .unit = "m/N"};
+    for (int k = 0; k < 40; ++k) {
+      response.frequency.push_back(3.0 + k);
+      response.H.push_back(
+          std::polar(1.3, -(5.3 * k + 11.7 * static_cast<double>(t)) * std::numbers::pi / 180.0));
+    }
+    both.things[t].responses.push_back(response);
+  }
+  const auto script = script_of([&](const auto& path) { plot_side_by_side(both, path); });
+  const auto first = block_in(script, "r0_0"), second = block_in(script, "r0_1");
+  ASSERT_EQ(first.size(), 40U);
+  const auto degrees = [](const std::string& line) {
+    return std::stod(line.substr(line.rfind(' ')));
+  };
+  for (std::size_t k = 0; k < first.size(); ++k) {
+    EXPECT_NEAR(degrees(first[k]) - degrees(second[k]), 11.7, 1e-3);
+    if (k == 0) continue;
+    EXPECT_NEAR(degrees(first[k - 1]) - degrees(first[k]), 5.3, 1e-3);
+  }
+  EXPECT_THAT(script, HasSubstr("abs(step) > 135 ? NaN : last) with lines"));
 }
 
 TEST(PicturesOfCapability, SayWhichMachineTheyAreOf) {

@@ -593,3 +593,27 @@ test('no section without a measurement', async () => {
     assert.equal(await page.locator('#identification').count(), 0);
   });
 });
+
+/** Errors that are stated twenty times too small: the modes do not explain the responses. */
+test('a warning of the identification is framed, as large as the text, and named', async () => {
+  const lacking = responses('lacking.json', json('modes', published, '--model', 'rigid').modes, { damping, deviation });
+  const frf = JSON.parse(readFileSync(lacking, 'utf8'));
+  for (const { re } of frf.noise.flat()) re.forEach((value, k) => (re[k] = value / 400));
+  writeFileSync(lacking, JSON.stringify(frf));
+  const { warnings } = json('identify', lacking);
+  assert.ok(warnings.length > 0, 'the program warns');
+  for (const colorScheme of ['light', 'dark'])
+    await withPage(report(published, '--model', 'rigid', '--measured', lacking), { ...still, colorScheme }, async (page) => {
+      const shown = page.locator('.warning');
+      assert.deepEqual(await shown.allTextContents(), warnings.map((text) => `Warning: ${text}`));
+      const style = await shown.first().evaluate((e) => {
+        const { borderTopWidth, fontSize, color } = getComputedStyle(e);
+        const { fontSize: own, color: text } = getComputedStyle(document.body);
+        return { borderTopWidth, size: [fontSize, own], colour: [color, text] };
+      });
+      assert.equal(style.borderTopWidth, '2px');
+      assert.equal(...style.size);
+      assert.equal(...style.colour);
+      assert.deepEqual(await findings(page), [], 'axe finds nothing');
+    });
+});

@@ -290,9 +290,8 @@ test('a value is typed with a unit; an unknown one and an impossible one are ref
     const row = page.locator('[data-parameter="legs.guide_sleeve.stiffness"]');
     await field.fill('0.25 kN/mm');
     await field.press('Enter');
-    assert.deepEqual(await page.evaluate(() => window.hydrapod.whatIf.changed()), [
-      ['legs.guide_sleeve.stiffness', 250000],
-    ]);
+    const changed = () => page.evaluate(() => window.hydrapod.whatIf.shown().then(() => window.hydrapod.whatIf.changed()));
+    assert.deepEqual(await changed(), [['legs.guide_sleeve.stiffness', 250000]]);
     await field.fill('3 furlong');
     await field.press('Enter');
     assert.match(await row.innerText(), /unknown unit “furlong”; accepted: .*N\/mm/);
@@ -302,12 +301,23 @@ test('a value is typed with a unit; an unknown one and an impossible one are ref
     assert.match(await row.innerText(), /“stiff” is not a number/);
     await field.fill('-1');
     await field.press('Enter');
-    await page.evaluate(() => window.hydrapod.whatIf.shown());
-    const words = await page.locator('.what-if-state').innerText();
-    assert.match(words, /^Not computed: legs\.guide_sleeve\.stiffness/);
+    assert.deepEqual(await changed(), [['legs.guide_sleeve.stiffness', 250000]], 'the machine stays as it was');
     const said = asked(['modes', published, '--set', 'legs.guide_sleeve.stiffness=-1']);
     const { findings } = await compute(page, [['legs.guide_sleeve.stiffness', -1]]);
     assert.ok(said.includes(findings[0].message), `${findings[0].message} in ${said}`);
+    assert.ok((await row.innerText()).includes(findings[0].message));
+    assert.equal(await field.getAttribute('aria-invalid'), 'true');
+    // what was refused is no step: one undo leads to the machine of the report, one redo back
+    await page.locator('[data-control="undo"]').click();
+    assert.deepEqual(await changed(), []);
+    assert.ok(await page.locator('[data-control="undo"]').isDisabled());
+    await page.locator('[data-control="redo"]').click();
+    assert.deepEqual(await changed(), [['legs.guide_sleeve.stiffness', 250000]]);
+    assert.ok(await page.locator('[data-control="redo"]').isDisabled());
+    // an address may hold such a value
+    await page.evaluate(() => window.hydrapod.whatIf.replace([['legs.guide_sleeve.stiffness', -1]]));
+    await page.evaluate(() => window.hydrapod.whatIf.shown());
+    assert.match(await page.locator('.what-if-state').innerText(), /^Not computed: legs\.guide_sleeve\.stiffness/);
     assert.match(await page.locator('.what-if-results').innerText(), /–/, 'no numbers of such a machine');
     await page.locator('[data-control="reset-all"]').click();
     await page.locator('[data-control="parameter-search"]').fill('');

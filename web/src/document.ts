@@ -227,6 +227,8 @@ export interface Editable {
   /** By SI unit: units in which a value may be typed, by their size. */
   scales: Record<string, Record<string, number>>;
   model: 'rigid' | 'guide' | 'full';
+  /** Of which modes the frequencies of maps and samples are. */
+  frequencies: 'undamped' | 'damped';
   /** Poses of the machine, the neutral one first. */
   poses: Place[];
   /** Poses of the report: `of` the machine's, or a displacement from the neutral one. */

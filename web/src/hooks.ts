@@ -103,7 +103,7 @@ export interface ComparisonHook {
   /** Shows the response of this name. */
   choose(name: string): void;
   /** The curves as drawn, of the things from 0 that have the response; null: no line there. */
-  drawn(): { thing: number; unit: string; frequency_hz: number[]; magnitude: (number | null)[]; phase: (number | null)[] }[];
+  drawn(): { thing: number; unit: string; frequency_hz: number[]; magnitude: (number | null)[]; phase: (number | null | undefined)[] }[];
 }
 
 export interface WhatIfHook {

@@ -13,6 +13,7 @@
 ///
 /// Studies and designs as JSON and pictures.
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -99,8 +100,8 @@ struct PoseCheck {
   bool buckling_sought{};  ///< not without gravity, nor for legs that cannot fold
   dynamics::Buckling buckling{};
   std::optional<double>
-      lowest_at_buckling{};  ///< ω of the lowest mode just below that payload [rad/s]
-  std::optional<double> first_resonance{};  ///< ω of the lowest mode [rad/s]; none: unstable
+      lowest_at_buckling{};  ///< undamped ω of the lowest mode just below that payload [rad/s]
+  std::optional<double> first_resonance{};  ///< |λ| of the lowest mode [rad/s]; none: unstable
   /// None where the machine does not stand.
   std::optional<simulation::Capability> capability{};
   std::vector<PoseWarning> warnings{};
@@ -349,6 +350,11 @@ inline double peak_height(double mac, double omega, double omega_rigid) {
 /// Throws base::InputError for a picture ending that plots do not know.
 void require_picture_ending(const std::string& path);
 
+/// From now on every picture holds the text that `origin` makes when it is drawn: by which command
+/// and of which files. SVG in <desc>, PNG in a text chunk "Description", PDF in comments at its
+/// end. Not to be called while pictures are drawn.
+void state_in_pictures(std::function<std::string()> origin);
+
 /// `rows`, `rows_planned`, `complete`, `seed`, `inputs[]`, `statuses`, `outputs[]` with mean,
 /// deviation and quantiles, `requirements[]` with the probability of missing them and its interval,
 /// `indices[]` where they were asked for.
@@ -374,14 +380,21 @@ void plot_field(const Field& field, const std::string& title, const std::string&
 /// `limits[]` with prices, `front[]` of two aims.
 Json design_json(const study::DesignProblem& problem, const study::DesignResult& result);
 
+/// What a user wrote a quantity in: the machine file its numbers, a requirement its bound.
+struct DesignUnits {
+  std::vector<model::WrittenUnit> changes{}, requirements{}, aims{};
+};
+
 /// The curve of two aims.
 void plot_trade_off(const study::DesignProblem& problem, const study::DesignResult& result,
-                    const std::string& title, const std::string& subtitle, const std::string& path);
+                    const DesignUnits& units, const std::string& title, const std::string& subtitle,
+                    const std::string& path);
 
 /// Per change, what each requirement has to spare where this change alone differs from the design;
 /// the design is a dashed line, what misses a requirement is grey.
 void plot_design_slices(const study::DesignProblem& problem, const study::DesignResult& result,
-                        const std::vector<study::Slice>& slices, const std::string& title,
-                        const std::string& subtitle, const std::string& path);
+                        const DesignUnits& units, const std::vector<study::Slice>& slices,
+                        const std::string& title, const std::string& subtitle,
+                        const std::string& path);
 
 }  // namespace hydrapod::report

@@ -378,21 +378,21 @@ struct DesignProblem {
 /// Outputs of machine_problem(), `buckling` among them, then those of these that the machine has:
 /// `power` of the pump, `sag` (largest static offset of a rod at its guide sleeve), `oil_force`
 /// (largest static one of a leg, of a strut or screw where it has no oil), and `force_x` …
-/// `excursion_rz`: what the machine can do from rest in both senses of a direction, see
-/// simulation/capability.hpp. The rest of `problem` may still be empty.
+/// `excursion_rz` (simulation/capability.hpp, both senses). The rest of `problem` may be empty yet.
 std::vector<Column> design_outputs(const DesignProblem& problem);
 
-/// Why machine_problem() and design_outputs() of this machine lack an output that other machines
-/// have; none: it has it, or no machine does.
+/// Frequencies of studies: "undamped"; with elastomers "damped", as all of `hydrapod modes` are.
+std::string frequency_kind(const model::Machine& machine);
+
+/// Why this machine lacks an output that others have; none: it has it, or no machine does.
 std::optional<std::string> why_no_output(const model::Machine& machine, dynamics::ModelKind kind,
                                          std::string_view name);
 
 /// Outputs of a machine at one pose, and their derivatives.
 class DesignModel {
  public:
-  /// Outputs that nobody needs (`wanted`: numbers of columns) are not computed where they cost more
-  /// than modes do. Throws base::ComputationError where the machine has modes neither with its own
-  /// numbers nor with those of the bounds.
+  /// Outputs outside `wanted` (numbers of columns) are left out where they cost more than modes do.
+  /// Throws base::ComputationError where the machine has modes neither as it is nor at the bounds.
   DesignModel(const DesignProblem& problem, const model::NamedPose& pose, std::vector<int> wanted);
   /// Of one design; NaN where there is none, also the status is in it.
   void outputs(std::span<const double> values, std::span<double> outputs);

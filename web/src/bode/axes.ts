@@ -2,6 +2,7 @@
 
 import type uPlot from 'uplot';
 import { tick } from '../numbers';
+import { phaseText, phaseTicks } from './phase';
 import { labelled, magnitudeTicks, tickText } from './ticks';
 
 /** Shows every tick. */
@@ -32,8 +33,7 @@ export const magnitudeAxis: uPlot.Axis = {
 };
 
 export const phaseAxis: uPlot.Axis = {
-  splits: () => [-180, -90, 0, 90, 180],
-  values: (_, splits) => splits.map((value) => `${value}°`.replace('-', '−')),
+  splits: (plot) => phaseTicks(plot.scales['y']!.min!, plot.scales['y']!.max!),
+  filter: all,
+  values: (_, splits) => splits.map(phaseText),
 };
-
-export const phaseScale: uPlot.Scale = { distr: 1, range: [-185, 185] };

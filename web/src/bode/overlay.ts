@@ -1,7 +1,8 @@
 // Curves over frequency, one over the other: magnitudes, and phases below them.
 
 import type uPlot from 'uplot';
-import { magnitudeAxis, phaseAxis, phaseScale } from './axes';
+import { magnitudeAxis, phaseAxis } from './axes';
+import { phaseScale } from './phase';
 import type { Diagram } from './stack';
 
 export interface OverlayLine {
@@ -9,8 +10,8 @@ export interface OverlayLine {
   stroke: string;
   width?: number;
   dash?: number[];
-  /** At the frequencies of the diagram; null: none. */
-  values: (number | null)[];
+  /** At the frequencies of the diagram; null: none; undefined: others have a value there. */
+  values: (number | null | undefined)[];
 }
 
 export interface Overlay {
@@ -20,7 +21,7 @@ export interface Overlay {
   lines: OverlayLine[];
 }
 
-/** A curve of points without a line: a phase that jumps by a turn would draw many lines across the diagram. */
+/** A curve of points without a line, as of what was measured. */
 export const asPoints = (colour: string): Partial<uPlot.Series> => ({
   paths: () => null,
   points: { show: true, size: 2.5, fill: colour },
@@ -33,7 +34,6 @@ const seriesOf = ({ label, stroke, width = 1.6, dash }: OverlayLine): uPlot.Seri
   label,
   stroke,
   width,
-  spanGaps: true, // others have values between those of this line
   points: { show: false },
   ...(dash ? { dash } : {}),
 });
@@ -44,7 +44,7 @@ export function overlaidMagnitudes(overlay: Overlay, unit: string): Diagram {
     label: unit,
     height: 280,
     data: dataOf(overlay),
-    series: [{}, ...overlay.lines.map(seriesOf)],
+    series: [{}, ...overlay.lines.map((line) => ({ ...seriesOf(line), spanGaps: true }))],
     scale: { distr: 3 },
     axis: magnitudeAxis,
   };
@@ -56,7 +56,7 @@ export function overlaidPhases(overlay: Overlay): Diagram {
     label: 'phase',
     height: 150,
     data: dataOf(overlay),
-    series: [{}, ...overlay.lines.map((line) => ({ ...seriesOf(line), ...asPoints(line.stroke) }))],
+    series: [{}, ...overlay.lines.map(seriesOf)],
     scale: phaseScale,
     axis: phaseAxis,
   };

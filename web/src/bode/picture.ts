@@ -5,6 +5,7 @@ import { magnitude, phase, type Complex } from '../complex';
 import { tick } from '../numbers';
 import type { Palette } from '../palette';
 import { titleOf, unitOf, type Curves, type Mark } from './curves';
+import { isCut, phaseCut, phaseText, phaseTicks, withinTurn } from './phase';
 import { labelled, magnitudeTicks, tickText } from './ticks';
 
 interface Frame {
@@ -165,14 +166,17 @@ function phasePart(
   bottom: number,
   colours: Palette,
 ) {
-  const y = (degrees: number) => bottom - ((bottom - top) * (degrees + 180)) / 360;
+  const cut = phaseCut(both(curves).flatMap((H) => (H ? [H] : [])));
+  const all = both(curves).map((H) => (H ?? []).map((h) => withinTurn(phase(h), cut)));
+  const [least, most] = [Math.min, Math.max].map((pick) => all.flat().reduce((a, b) => pick(a, b)));
+  const [low, high] = [least! - 10, most! + 10];
+  const y = (degrees: number) => bottom - ((bottom - top) * (degrees - low)) / (high - low);
   box(picture, frame, top, bottom, colours);
-  for (const value of [-180, -90, 0, 90, 180])
-    axisLine(picture, frame, y(value), `${value}°`.replace('-', '−'), colours);
+  for (const value of phaseTicks(low, high)) axisLine(picture, frame, y(value), phaseText(value), colours);
   both(curves).forEach((H, k) => {
     if (!H) return;
-    const angles = H.map(phase);
-    const wraps = (i: number) => Math.abs(angles[i] - angles[i - 1]) > 180;
+    const angles = all[k]!;
+    const wraps = (i: number) => isCut(angles[i - 1]!, angles[i]!);
     curve(
       picture,
       path(frame, curves.frequency, (i) => y(angles[i]), wraps),

@@ -2,11 +2,12 @@
 
 import uPlot from 'uplot';
 import { describeCanvas, html } from '../dom';
-import { magnitude, phase } from '../complex';
+import { magnitude, type Complex } from '../complex';
 import { axisStyle, type Palette } from '../palette';
-import { frequencyAxis, magnitudeAxis, phaseAxis, phaseScale } from './axes';
+import { frequencyAxis, magnitudeAxis, phaseAxis } from './axes';
 import { unitOf, type Curves, type Mark } from './curves';
 import { clusters } from './picture';
+import { phaseCut, phaseLine, phaseScale } from './phase';
 import { followWidth, widthIn } from './stack';
 
 export interface PlotEvents {
@@ -36,16 +37,13 @@ export class BodePlot {
     for (const plot of this.plots) plot.destroy();
     const size = widthIn(this.element);
     const x = curves.frequency;
-    const of = (value: (h: { re: number; im: number }) => number | null) =>
-      [
-        x,
-        ...(curves.flexible ? [curves.flexible.map(value)] : []),
-        curves.rigid.map(value),
-      ] as uPlot.AlignedData;
-    const positive = (h: { re: number; im: number }) => magnitude(h) || null;
+    const shown = [...(curves.flexible ? [curves.flexible] : []), curves.rigid];
+    const of = (values: (H: Complex[]) => (number | null)[]) => [x, ...shown.map(values)] as uPlot.AlignedData;
+    const positive = (H: Complex[]) => H.map((h) => magnitude(h) || null);
+    const cut = phaseCut(shown);
     this.plots = [
       new uPlot(this.options('magnitude', size, colours), of(positive), this.element),
-      new uPlot(this.options('phase', size, colours), of(phase), this.element),
+      new uPlot(this.options('phase', size, colours), of((H) => phaseLine(H, cut)), this.element),
     ];
     ['Magnitude', 'Phase'].forEach((name, k) =>
       describeCanvas(this.plots[k].root, `${name} over frequency; the values under the cursor stand in the table below.`),

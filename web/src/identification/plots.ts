@@ -1,21 +1,13 @@
 // One measured response with its 95 % band and the fit, and the coherence of its output.
 
 import type uPlot from 'uplot';
-import { magnitudeAxis, phaseAxis, phaseScale } from '../bode/axes';
+import { magnitudeAxis, phaseAxis } from '../bode/axes';
 import { asPoints } from '../bode/overlay';
+import { phaseCut, phaseLine, phaseScale, withinTurn } from '../bode/phase';
 import { DiagramStack, type Diagram } from '../bode/stack';
 import { magnitude, phase, type Complex } from '../complex';
 import { palette, type Palette } from '../palette';
 import type { Identification } from './types';
-
-/** Phases [°], none on both sides of a jump by a turn: the line breaks there, by more than a pixel. */
-function unbroken(phases: (number | null)[]): (number | null)[] {
-  const jumps = (k: number) => {
-    const [before, value] = [phases[k - 1] ?? null, phases[k] ?? null];
-    return before !== null && value !== null && Math.abs(value - before) > 180;
-  };
-  return phases.map((value, k) => (jumps(k) || jumps(k + 1) ? null : value));
-}
 
 /** "m/N", "rad/(N m)" */
 function unitText(output: string, input: string): string {
@@ -84,6 +76,7 @@ export class ResponsePlots {
 
   private phases(output: number, input: number, fit: Complex[] | null): Diagram {
     const H = this.measured(output, input);
+    const cut = phaseCut(fit ? [H, fit] : [H]);
     const { measured, fit: fitted } = this.lines(palette());
     return {
       name: nameOf('Phase'),
@@ -91,8 +84,8 @@ export class ResponsePlots {
       height: 160,
       data: [
         this.frequency,
-        H.map(phase),
-        fit ? unbroken(fit.map(phase)) : H.map(() => null),
+        H.map((h) => withinTurn(phase(h), cut)),
+        fit ? phaseLine(fit, cut) : H.map(() => null),
       ] as uPlot.AlignedData,
       series: [{}, { ...measured, ...asPoints(palette().flexible) }, fitted],
       scale: phaseScale,

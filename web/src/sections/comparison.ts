@@ -6,7 +6,8 @@ import { overlaidMagnitudes, overlaidPhases, type Overlay, type OverlayLine } fr
 import { DiagramStack } from '../bode/stack';
 import type { ComparedThing, SideBySide, TestedDifference } from '../document';
 import { controlRow, how, html, select } from '../dom';
-import { magnitude, phase } from '../complex';
+import { phaseCut, phaseLine } from '../bode/phase';
+import { magnitude } from '../complex';
 import { fixed, halfWidth95, withInterval } from '../numbers';
 import { palette } from '../palette';
 import type { State } from '../state';
@@ -206,7 +207,7 @@ class Responses {
       controlRow(select('Response', names, (k) => this.choose(names[k]), 'compared-response')),
       this.plots.element,
       this.legend,
-      html('p', { class: 'note' }, 'Magnitudes are lines, phases are points. ', how('Drag across a diagram to zoom, double-click for the whole range.')),
+      html('p', { class: 'note' }, how('Drag across a diagram to zoom, double-click for the whole range.')),
     ];
   }
 
@@ -216,24 +217,23 @@ class Responses {
   }
 
   /** The things that have the chosen response, with their lines on a common axis. */
-  drawn(): { thing: number; unit: string; frequency_hz: number[]; magnitude: (number | null)[]; phase: (number | null)[] }[] {
+  drawn(): { thing: number; unit: string; frequency_hz: number[]; magnitude: (number | null)[]; phase: (number | null | undefined)[] }[] {
     const having = this.all.things.flatMap((thing, number) => {
       const response = thing.responses.find(({ name }) => name === this.name);
       return response && response.frequency_hz.length > 0 ? [{ number, response }] : [];
     });
     if (having.length === 0) return [];
+    const curves = having.map(({ response: { re, im } }) => re.map((value, k) => ({ re: value, im: im[k]! })));
+    const cut = phaseCut(curves);
     const [frequency, ...values] = uPlot.join(
-      having.map(({ response: { frequency_hz, re, im } }) => {
-        const H = re.map((value, k) => ({ re: value, im: im[k] }));
-        return [frequency_hz, H.map(magnitude), H.map(phase)] as uPlot.AlignedData;
-      }),
+      having.map(({ response: { frequency_hz } }, k) => [frequency_hz, curves[k]!.map(magnitude), phaseLine(curves[k]!, cut)] as uPlot.AlignedData),
     );
     return having.map(({ number, response }, k) => ({
       thing: number,
       unit: response.unit,
       frequency_hz: [...frequency],
       magnitude: [...values[2 * k]].map((v) => (v !== null && v !== undefined && v > 0 ? v : null)),
-      phase: [...values[2 * k + 1]].map((v) => v ?? null),
+      phase: [...values[2 * k + 1]],
     }));
   }
 

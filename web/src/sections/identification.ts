@@ -125,7 +125,7 @@ class IdentificationSection {
     }, 'measured-input');
     return [
       html('p', {}, `${data.records.join(', ')}: ${data.measured}; ${data.frame}.`),
-      ...data.warnings.map((text) => html('p', { class: 'note' }, `Warning: ${text}`)),
+      ...data.warnings.map((text) => html('p', { class: 'warning' }, html('strong', {}, 'Warning: '), text)),
       html('h3', {}, 'Stabilisation'),
       html(
         'div',

@@ -269,7 +269,7 @@ function render(state: State, host: HTMLElement): void {
     html(
       'p',
       { class: 'note' },
-      '= marks modes of equal frequency: any combination of them is a mode. ',
+      'Hz and rad/s: |λ| of the damped modes. = marks modes of equal frequency: any combination of them is a mode. ',
       model === 'rigid' ? '' : 'Shift and MAC compare with the most similar mode with rigid legs. ',
       'The elastic energy of oil, struts or screws includes compliant gimbals in series and sticking cylinder seals in parallel.',
     ),

@@ -9,7 +9,7 @@ import { fixed, significant } from '../numbers';
 import { describe, histogram } from '../scatter/distribution';
 import type { State } from '../state';
 import { displacementOf } from '../workspace/displacement';
-import { poseText, quantities } from '../workspace/quantities';
+import { nameOf, poseText, quantities } from '../workspace/quantities';
 import { refill, scroller, tableHead } from '../table';
 import type { Section } from './section';
 
@@ -171,7 +171,7 @@ class Scatter {
 
   private chooser(): HTMLElement {
     const [valueId, senseId, boundId] = ['scatter-value', 'scatter-sense', 'scatter-bound'].map(identifier) as [string, string, string];
-    const value = html('select', { id: valueId, 'data-control': 'scatter-value' }, ...quantities.map(({ name }, k) => html('option', { value: k }, name)));
+    const value = html('select', { id: valueId, 'data-control': 'scatter-value' }, ...quantities.map((one, k) => html('option', { value: k }, nameOf(one, this.state.report.editable as Editable))));
     const sense = html('select', { id: senseId }, html('option', { value: 'least' }, 'at least'), html('option', { value: 'most' }, 'at most'));
     const bound = html('input', { type: 'text', inputmode: 'decimal', id: boundId, placeholder: 'none', 'data-control': 'scatter-bound', autocomplete: 'off' });
     const read = () => {
@@ -223,7 +223,7 @@ class Scatter {
       ? 'Nothing varies: add a parameter.'
       : `${rows.length} of ${samples} samples${reasons.length > 0 ? `; without a value: ${reasons.join(', ')}` : ''}`;
     const values = computed.map((row) => quantity.of(row));
-    this.picture.replaceChildren(histogram(values, `${quantity.name} in ${quantity.unit}`, bound, atLeast, this.picture.clientWidth));
+    this.picture.replaceChildren(histogram(values, `${nameOf(quantity, this.state.report.editable as Editable)}, in ${quantity.unit}`, bound, atLeast, this.picture.clientWidth));
     const found = describe(values);
     const cells: [string, number][] = found
       ? [['mean', found.mean], ['standard deviation', found.deviation], ['5 %', found.quantiles[0]], ['median', found.quantiles[1]], ['95 %', found.quantiles[2]]]

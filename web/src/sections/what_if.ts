@@ -36,6 +36,8 @@ interface Side {
 class WhatIf {
   private core: Core | null = null;
   private list: ParameterList | null = null;
+  /** Of the value that was typed last. */
+  private judged: Promise<string> | null = null;
   private readonly base = new Map<string, number>();
   private readonly edits = new Edits((path) => this.base.get(path));
   /** What is compared with. */
@@ -103,7 +105,7 @@ class WhatIf {
   private async start(): Promise<void> {
     this.core = await sharedCore(this.state);
     for (const { path, value } of this.core.parameters) this.base.set(path, value);
-    this.list = new ParameterList(this.editable, this.core.parameters, this.edits);
+    this.list = new ParameterList(this.editable, this.core.parameters, this.edits, (path, value) => (this.judged = this.judge(path, value)));
     this.parameters.replaceChildren(this.list.element);
     this.edits.onChange = () => this.changed();
     addEventListener('hashchange', () => this.takeFragment());
@@ -138,6 +140,18 @@ class WhatIf {
     // the page's Bode diagram with its peaks follows in settle()
     const request = { set: settings(values), ...this.place(displaced), points: 0 };
     return (this.core as Core).compute(request, this.omega);
+  }
+
+  /** In words what the core finds wrong with a value that was typed, and with nothing else. */
+  private async judge(path: string, value: number): Promise<string> {
+    const find = async (values: Values) => {
+      const request = { set: settings(values), ...this.place(this.state.displaced), points: 0 };
+      const { findings } = await (this.core as Core).compute(request);
+      return findings.filter(({ error }) => error).map(({ key, message }) => `${key}: ${message}`);
+    };
+    const found = await find(new Map(this.edits.values).set(path, value));
+    const before = found.length > 0 ? await find(this.edits.values) : [];
+    return found.filter((text) => !before.includes(text)).join('; ');
   }
 
   /** Are the values and the pose of `side` those that were chosen last? */
@@ -332,6 +346,7 @@ class WhatIf {
       changed: (): Setting[] => settings(this.edits.values),
       replace: (set: Setting[]) => this.edits.replace(new Map(set)),
       shown: async () => {
+        await this.judged;
         while (this.running) await this.running;
         clearTimeout(this.timer);
         await this.settle();

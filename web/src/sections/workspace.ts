@@ -10,7 +10,7 @@ import type { State } from '../state';
 import { displacementOf } from '../workspace/displacement';
 import { Field, finest, type Range } from '../workspace/field';
 import { HeatMap } from '../workspace/heat_map';
-import { displacementText, poseText, quantities, unitOf } from '../workspace/quantities';
+import { displacementText, nameOf, poseText, quantities, unitOf } from '../workspace/quantities';
 import type { Section } from './section';
 
 export const workspace: Section = {
@@ -170,7 +170,7 @@ class Workspace {
     const { field, quantity } = this;
     if (!field || field.count === 0) return;
     this.host.classList.add('calculated');
-    this.picture.show(field, quantity, `${quantity.name} over ${directions[this.across]} and ${directions[this.up]}; the line below says where it is least`);
+    this.picture.show(field, quantity, `${nameOf(quantity, this.state.report.editable as Editable)} over ${directions[this.across]} and ${directions[this.up]}; the line below says where it is least`);
     this.picture.mark(this.displaced);
     const least = this.picture.least(quantity);
     this.least.replaceChildren(
@@ -196,7 +196,7 @@ class Workspace {
       const value = (name: string) => quantities.find(({ column }) => column === name)!.of(row);
       const text = status !== 0
         ? `: ${mapStatus[status]}.`
-        : `: lowest mode ${value('lowest').toFixed(3)} Hz in ${directions[(row[map.direction] as number) - 1]}, drop by the seals ${value('drop').toFixed(2)} %${Number.isFinite(value('stroke')) ? `, stroke left ${value('stroke').toFixed(1)} mm` : ''}.`;
+        : `: lowest mode ${value('lowest').toFixed(3)} Hz (${(this.state.report.editable as Editable).frequencies}) in ${directions[(row[map.direction] as number) - 1]}, drop by the seals ${value('drop').toFixed(2)} %${Number.isFinite(value('stroke')) ? `, stroke left ${value('stroke').toFixed(1)} mm` : ''}.`;
       this.words.replaceChildren(this.words.firstChild as Node, text);
     });
   }
@@ -249,7 +249,7 @@ class Workspace {
       across.list.value = String(this.across);
       up.list.value = String(this.up);
     };
-    const value = chooser('Value shown', quantities.map(({ name }) => name), 0, (k) => {
+    const value = chooser('Value shown', quantities.map((one) => nameOf(one, this.state.report.editable as Editable)), 0, (k) => {
       this.quantity = quantities[k]!;
       this.show();
       void this.showCommand();

@@ -21,6 +21,9 @@ import {
 const shownAtFirst = 8;
 const shownAtMost = 40;
 
+/** Why the machine cannot have this value [SI] beside the others; empty where it can. */
+export type Judge = (path: string, value: number) => Promise<string>;
+
 class Row {
   readonly element: HTMLElement;
   private readonly field: HTMLInputElement;
@@ -33,6 +36,7 @@ class Row {
     private readonly editable: Editable,
     private readonly parameter: Parameter,
     private readonly edits: Edits,
+    private readonly judge: Judge,
   ) {
     const { path, meaning } = parameter;
     const unit = unitOf(editable, parameter);
@@ -45,7 +49,7 @@ class Row {
       spellcheck: 'false',
       'data-field': path,
     });
-    this.field.addEventListener('change', () => this.typed());
+    this.field.addEventListener('change', () => void this.typed());
     this.field.addEventListener('input', () => this.tell(''));
     this.back = button('↺', () => edits.reset(path), {
       class: 'quiet reset',
@@ -81,10 +85,14 @@ class Row {
     this.show();
   }
 
-  private typed(): void {
-    const result = read(this.field.value, this.editable, this.parameter);
-    if ('problem' in result) this.tell(result.problem);
-    else this.edits.set(this.parameter.path, result.value);
+  /** A value that the machine cannot have stays in the field; it is no change. */
+  private async typed(): Promise<void> {
+    const { value: text } = this.field;
+    const result = read(text, this.editable, this.parameter);
+    const problem = 'problem' in result ? result.problem : await this.judge(this.parameter.path, result.value);
+    if (this.field.value !== text) return; // typed on
+    if (problem) this.tell(problem);
+    else if ('value' in result) this.edits.set(this.parameter.path, result.value);
   }
 
   private tell(problem: string): void {
@@ -140,6 +148,7 @@ export class ParameterList {
     private readonly editable: Editable,
     private readonly parameters: Parameter[],
     private readonly edits: Edits,
+    private readonly judge: Judge,
   ) {
     const id = identifier('search');
     this.search = html('input', {
@@ -196,7 +205,7 @@ export class ParameterList {
   private row(parameter: Parameter): Row {
     let row = this.rows.get(parameter.path);
     if (!row) {
-      row = new Row(this.editable, parameter, this.edits);
+      row = new Row(this.editable, parameter, this.edits, this.judge);
       row.showSensitivity(this.slopes[parameter.path], this.most);
       this.rows.set(parameter.path, row);
     }

@@ -1,7 +1,7 @@
 // What a map can show, and the units of its directions.
 
 import { map } from '../core/core';
-import { directions } from '../document';
+import { directions, type Editable } from '../document';
 import { fixed, significant } from '../numbers';
 
 export interface Quantity {
@@ -27,6 +27,10 @@ export const quantities: Quantity[] = [
   ...directions.map((d, k) => column(`Drop of the first resonance in ${d}`, `drop_${d}`, map.drops + k, '%', 100)),
   column('Stroke left', 'stroke', map.stroke, 'mm', 1e3),
 ];
+
+/** "Lowest mode, undamped": the tables of modes have damped frequencies. */
+export const nameOf = ({ name, unit }: Quantity, { frequencies }: Editable): string =>
+  unit === 'Hz' ? `${name}, ${frequencies}` : name;
 
 const degree = Math.PI / 180;
 
