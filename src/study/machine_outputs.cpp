@@ -116,10 +116,6 @@ Followed follow(const Nominal& nominal, const LinearModel& model, const NormalMo
 
 }  // namespace
 
-std::string frequency_kind(const model::Machine& machine) {
-  return model::has_elastomers(machine) ? "damped" : "undamped";
-}
-
 std::vector<Column> columns_of(const Kept& kept) {
   const std::string of = fmt::format("{} frequency of the ", frequency_kind(kept.machine));
   std::vector<Column> columns{

@@ -18,15 +18,18 @@ namespace {
 using test::run_hydrapod;
 using testing::HasSubstr;
 
-std::string machine() { return test::source_file("models/zhang-jiang-2021.toml").string(); }
+std::string machine_of_studio() {
+  return test::source_file("models/zhang-jiang-2021.toml").string();
+}
 
 TEST(Studio, TheNumbersOfThePageAreThoseOfReportAsJson) {
   const test::TemporaryFolder folder;
   const test::RunOptions options{.folder = folder.path(),
                                  .variables = {{"SOURCE_DATE_EPOCH", "1700000001"}}};
-  const auto printed = run_hydrapod({"report", machine(), "--format", "json", "-o", "-"}, options);
+  const auto printed =
+      run_hydrapod({"report", machine_of_studio(), "--format", "json", "-o", "-"}, options);
   ASSERT_EQ(printed.exit_code, 0) << printed.err;
-  ASSERT_EQ(run_hydrapod({"report", machine(), "-o", "r.html"}, options).exit_code, 0);
+  ASSERT_EQ(run_hydrapod({"report", machine_of_studio(), "-o", "r.html"}, options).exit_code, 0);
   std::ifstream file(folder.path() / "r.html");
   const std::string page(std::istreambuf_iterator<char>(file), {});
   const std::string begin = "<script type=\"application/json\" id=\"data\">";
@@ -36,17 +39,20 @@ TEST(Studio, TheNumbersOfThePageAreThoseOfReportAsJson) {
   for (auto* one : {&in_page, &alone}) one->erase("reproduction");  // names its command
   EXPECT_EQ(alone, in_page);
   EXPECT_THAT(page, testing::Not(HasSubstr("connect-src")));
-  EXPECT_THAT(run_hydrapod({"report", machine(), "--format", "json", "-o", "r.html"}, options).err,
-              HasSubstr("report --format json writes json"));
-  EXPECT_THAT(run_hydrapod({"report", machine(), "--format", "pdf"}, options).err,
+  EXPECT_THAT(
+      run_hydrapod({"report", machine_of_studio(), "--format", "json", "-o", "r.html"}, options)
+          .err,
+      HasSubstr("report --format json writes json"));
+  EXPECT_THAT(run_hydrapod({"report", machine_of_studio(), "--format", "pdf"}, options).err,
               HasSubstr("accepted are html, json"));
 }
 
 TEST(Studio, ProgressComesAsLinesWhereItIsAskedFor) {
   const test::TemporaryFolder folder;
   const auto run = [&](const char* asked) {
-    return run_hydrapod({"rig", machine(), "--duration", "20 s", "-o", "run.h5", "--force"},
-                        {.folder = folder.path(), .variables = {{"HYDRAPOD_PROGRESS", asked}}})
+    return run_hydrapod(
+               {"rig", machine_of_studio(), "--duration", "20 s", "-o", "run.h5", "--force"},
+               {.folder = folder.path(), .variables = {{"HYDRAPOD_PROGRESS", asked}}})
         .err;
   };
   double last = -1.0;
@@ -76,11 +82,12 @@ TEST(Studio, RefusesWhatItCannotServe) {
   };
   refused({"nowhere.toml"}, "nowhere.toml: error: cannot be opened");
   refused({"-"}, "the studio edits a file; give the path of one");
-  refused({machine(), "--set", "platform.mass=-1"}, "--set platform.mass=-1: error: platform.mass");
-  refused({machine(), "--pose", "nowhere"}, "nowhere");
-  refused({machine(), "--bind", "0.0.0.0"}, "--bind: error: needs --key FILE");
-  refused({machine(), "--key", "key"}, "--key: error: needs --bind ADDRESS");
-  refused({machine(), "--port", "70000"}, "not in range 0 to 65535");
+  refused({machine_of_studio(), "--set", "platform.mass=-1"},
+          "--set platform.mass=-1: error: platform.mass");
+  refused({machine_of_studio(), "--pose", "nowhere"}, "nowhere");
+  refused({machine_of_studio(), "--bind", "0.0.0.0"}, "--bind: error: needs --key FILE");
+  refused({machine_of_studio(), "--key", "key"}, "--key: error: needs --bind ADDRESS");
+  refused({machine_of_studio(), "--port", "70000"}, "not in range 0 to 65535");
 }
 
 }  // namespace

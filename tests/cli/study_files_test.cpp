@@ -305,7 +305,7 @@ TEST_F(StudyFiles, AnInterruptedStudyIsNoSuccess) {
   EXPECT_EQ(interrupted.exit_code, 1);
   EXPECT_THAT(interrupted.err, HasSubstr("error: interrupted after"));
   EXPECT_EQ(test::read_text(folder / "table.csv"), "m,lowest [Hz],x [Hz]\n1,2,3\n");
-  const auto rows = lines_of(test::read_text(folder / "table.csv.part")) - 1;
+  const auto rows = std::ssize(rows_of(test::read_text(folder / "table.csv.part"))) - 1;
   EXPECT_GT(rows, 0);
   EXPECT_LT(rows, 1000000);
   EXPECT_THAT(test::read_text(folder / "summary.json"),
