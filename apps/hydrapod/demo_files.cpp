@@ -8,7 +8,9 @@
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/file.hpp"
+#include "hydrapod/base/version.hpp"
 #include "hydrapod/report/json.hpp"
+#include "hydrapod/report/model_results.hpp"
 #include "hydrapod/reports.hpp"
 #include "hydrapod/tasks/linear.hpp"
 #include "hydrapod/terminal.hpp"
@@ -98,6 +100,10 @@ void list_files(const std::string& folder) {
 
 void write_demo(const std::string& folder) {
   make_folder(folder);
+  // the program that a fresh clone builds first knows no commit, and its pictures are the same
+  report::state_in_pictures([] {
+    return fmt::format("made by: hydrapod demo\nwritten by hydrapod {}\n", base::version);
+  });
   for (const auto& the_case : cases()) show(the_case, folder);
   list_files(folder);
 }

@@ -84,7 +84,7 @@ TEST_F(DiagnoseCommand, CallsNominalWhatTheFileStates) {
   ASSERT_EQ(found.exit_code, 0) << found.err;
   EXPECT_THAT(found.out, HasSubstr("First resonances of the fitted machine"));
   EXPECT_THAT(found.out, HasSubstr("rigid Hz  fitted Hz  required Hz"));
-  EXPECT_THAT(found.out, HasSubstr("for the fitted machine: the "));
+  EXPECT_THAT(found.out, HasSubstr("for the fitted machine (undamped modes): the "));
   EXPECT_THAT(found.out, testing::Not(HasSubstr("The nominal stiffness")));
   // rigid legs explain the modes of sleeves like steel: nothing is fitted, and the file's stay
   const auto rigid = json_of({"modes", machine_, "--model", "rigid", "--format", "json"});

@@ -99,7 +99,10 @@ test('a typed value gives the numbers of the command line, in all pages and in a
 test('what no machine can have is not taken, and the page says why', async () => {
   const page = await openStudio();
   await type(page, 'platform.mass', '-3 kg');
-  await page.waitForFunction(() => document.querySelector('.what-if-state').textContent.startsWith('Not computed'));
+  const field = page.locator('[data-field="platform.mass"]');
+  await page.waitForFunction(() => document.querySelector('[data-field="platform.mass"]')?.getAttribute('aria-invalid') === 'true');
+  assert.equal(await field.inputValue(), '-3 kg', 'what was typed can be corrected');
+  assert.deepEqual(await page.evaluate(() => window.hydrapod.whatIf.changed()), []);
   assert.deepEqual((await server.json('state')).values, []);
   await page.evaluate(() => window.hydrapod.whatIf.replace([]));
   await shown(page);
