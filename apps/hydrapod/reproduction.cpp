@@ -43,6 +43,7 @@ std::optional<FileState> state_of(const std::string& path) {
 struct Input {
   std::string option, path;
   std::optional<FileState> state;
+  std::string sum{};  ///< SHA-256, once it was formed: each output states it
 };
 
 std::vector<std::string> whole;
@@ -62,13 +63,13 @@ std::string date_text() {
   return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(static_cast<std::time_t>(seconds)));
 }
 
-report::Json input_json(const Input& input) {
+report::Json input_json(Input& input) {
   report::Json json{{"option", input.option}, {"path", input.path}};
   json["bytes"] = input.state ? report::Json(input.state->bytes) : report::Json();
   json["sha256"] = nullptr;
   try {
-    std::string sum = sha256_of_file(input.path);
-    if (input.state && state_of(input.path) == input.state) json["sha256"] = std::move(sum);
+    if (input.sum.empty()) input.sum = sha256_of_file(input.path);
+    if (input.state && state_of(input.path) == input.state) json["sha256"] = input.sum;
   } catch (const base::InputError&) {  // removed since
   }
   return json;
@@ -82,7 +83,7 @@ void set_command_line(int argc, const char* const* argv) {
 
 tasks::Origin record_origin() {
   tasks::Origin origin{.program = program_text(), .command = whole};
-  for (const auto& input : inputs)
+  for (auto& input : inputs)
     if (const auto json = input_json(input); json["sha256"].is_string())
       origin.inputs.push_back({input.path, json["sha256"].get<std::string>()});
   return origin;
@@ -106,7 +107,7 @@ report::Json reproduction() {
                     {"date", date_text()},
                     {"command", whole},
                     {"inputs", report::Json::array()}};
-  for (const auto& input : inputs) json["inputs"].push_back(input_json(input));
+  for (auto& input : inputs) json["inputs"].push_back(input_json(input));
   return json;
 }
 

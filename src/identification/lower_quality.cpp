@@ -16,6 +16,10 @@ void limit(IdentifiedMode& mode, double most) {
   mode.explained = std::min(mode.explained, std::clamp(most, 0.0, 1.0));
 }
 
+void limit_all(double most, Identification& result) {
+  for (auto& mode : result.modes) limit(mode, most);
+}
+
 /// Modes whose half-power band reaches into lines at which the excitation is weak.
 void lower_where_weak(const data::ResponseWarning& warning, Identification& result) {
   for (auto& mode : result.modes) {
@@ -69,16 +73,14 @@ void lower_quality(const FrequencyResponses& responses, Identification& result,
   for (const auto& warning : responses.warnings) {
     if (warning.kind == Kind::weak_excitation) lower_where_weak(warning, result);
     if (warning.kind == Kind::wandering_tone) lower_where_left_out(warning, result);
-    if (warning.kind == Kind::rings)
-      for (auto& mode : result.modes) limit(mode, options.ringing);
-    if (warning.kind == Kind::cut_sweep)
-      for (auto& mode : result.modes) limit(mode, options.cut_sweep);
+    if (warning.kind == Kind::rings) limit_all(options.ringing, result);
+    if (warning.kind == Kind::cut_sweep) limit_all(options.cut_sweep, result);
     // a resonance in blocks that hold a jump is wider than it is
     if (warning.kind == Kind::lost_rows && warning.total == 0)
-      for (auto& mode : result.modes) limit(mode, 1.0 - warning.share);
+      limit_all(1.0 - warning.share, result);
     // a channel that was left out is no channel of a mode
     if (warning.kind == Kind::slow_channel && warning.count == 0)
-      for (auto& mode : result.modes) limit(mode, 1.0 - warning.share);
+      limit_all(1.0 - warning.share, result);
   }
   lower_where_clipped(responses, options, result);
 }

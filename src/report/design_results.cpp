@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
+#include <vector>
 
 #include "gnuplot.hpp"
 #include "hydrapod/report/model_results.hpp"
@@ -145,20 +148,46 @@ void plot_trade_off(const study::DesignProblem& problem, const study::DesignResu
 
 namespace {
 
-/// Columns: the changed number in `unit`, and of each requirement what is to spare [% of its
-/// bound].
+/// What is to spare of a requirement [% of its bound], per point.
+std::vector<double> spare_of(const study::Requirement& wanted, const std::vector<double>& worst) {
+  const double size = wanted.bound != 0.0 ? std::abs(wanted.bound) : 1.0;
+  std::vector<double> spare;
+  for (const double value : worst)
+    spare.push_back((wanted.at_least ? 1.0 : -1.0) * (value - wanted.bound) / size * 100.0);
+  return spare;
+}
+
+/// Of the axes of all slices: ±60 %, and all of a requirement that is farther away everywhere.
+std::pair<double, double> spare_shown(const study::DesignProblem& problem,
+                                      const std::vector<study::Slice>& slices) {
+  constexpr double usual = 60.0, room = 1.05;
+  double low = -usual, high = usual;
+  for (std::size_t r = 0; r < problem.requirements.size(); ++r) {
+    double least = std::numeric_limits<double>::infinity(), most = -least;
+    for (const auto& slice : slices)
+      for (const double spare : spare_of(problem.requirements[r], slice.worst[r]))
+        if (std::isfinite(spare)) {
+          least = std::min(least, spare);
+          most = std::max(most, spare);
+        }
+    if (least > most) continue;  // no value anywhere
+    if (least > usual) high = std::max(high, room * most);
+    if (most < -usual) low = std::min(low, room * least);
+  }
+  return {low, high};
+}
+
+/// Columns: the changed number in `unit`, and of each requirement what is to spare.
 std::string slice_rows(const study::DesignProblem& problem, const study::Slice& slice,
                        const model::WrittenUnit& unit) {
+  std::vector<std::vector<double>> spare;
+  for (std::size_t r = 0; r < slice.worst.size(); ++r)
+    spare.push_back(spare_of(problem.requirements[r], slice.worst[r]));
   std::string rows;
   for (std::size_t i = 0; i < slice.values.size(); ++i) {
     rows += fmt::format("{:.9g}", slice.values[i] / unit.size);
-    for (std::size_t r = 0; r < slice.worst.size(); ++r) {
-      const auto& wanted = problem.requirements[r];
-      const double size = wanted.bound != 0.0 ? std::abs(wanted.bound) : 1.0;
-      const double spare =
-          (wanted.at_least ? 1.0 : -1.0) * (slice.worst[r][i] - wanted.bound) / size * 100.0;
-      rows += std::isfinite(spare) ? fmt::format(" {:.9g}", spare) : " NaN";
-    }
+    for (const auto& one : spare)
+      rows += std::isfinite(one[i]) ? fmt::format(" {:.9g}", one[i]) : " NaN";
     rows += '\n';
   }
   return rows;
@@ -184,24 +213,27 @@ void plot_design_slices(const study::DesignProblem& problem, const study::Design
                         const DesignUnits& units, const std::vector<study::Slice>& slices,
                         const std::string& title, const std::string& subtitle,
                         const std::string& path) {
-  constexpr double most = 60.0;  // per cent shown
+  const auto [low, high] = spare_shown(problem, slices);
   const CellGrid grid(slices.size());
+  const double last_label = 12.0 / grid.width();  // half of what stands at the end of an axis
   std::string script = titles(title, subtitle, grid.width(), grid.height()) + thin_axes +
                        thin_grid + "set multiplot\n" + key_below_titles(grid.height());
   for (std::size_t k = 0; k < slices.size(); ++k) {
     const auto& slice = slices[k];
     const auto unit = readable(units.changes[k], std::abs(slice.values.back()));
     const std::string name = fmt::format("slice{}", k);
-    script +=
-        block_of(name, slice_rows(problem, slice, unit)) + at_screen(grid[k]) +
-        slice_axis(problem.changes[k], slice, unit) +
-        fmt::format("set yrange [{}:{}]\nset ylabel 'to spare, % of the bound'\n", -most, most) +
-        "set object 1 rectangle from graph 0, first -1000 to graph 1, "
-        "first 0 behind fc rgb '#eeeeee' fs solid noborder\n" +
-        fmt::format(
-            "set arrow 1 from first {0:.9g}, graph 0 to first {0:.9g}, graph 1 "
-            "nohead lw 1.5 dt 2 lc rgb '#444444'\n",
-            result.best.values[k] / unit.size);
+    auto cell = grid[k];
+    cell.right -= last_label;
+    script += block_of(name, slice_rows(problem, slice, unit)) + at_screen(cell) +
+              slice_axis(problem.changes[k], slice, unit) +
+              fmt::format("set yrange [{:.4g}:{:.4g}]\nset ylabel 'to spare, % of the bound'\n",
+                          low, high) +
+              "set object 1 rectangle from graph 0, first -1000 to graph 1, "
+              "first 0 behind fc rgb '#eeeeee' fs solid noborder\n" +
+              fmt::format(
+                  "set arrow 1 from first {0:.9g}, graph 0 to first {0:.9g}, graph 1 "
+                  "nohead lw 1.5 dt 2 lc rgb '#444444'\n",
+                  result.best.values[k] / unit.size);
     if (k > 0) script += "unset key\nunset label 101\nunset label 102\n";  // drawn once
     script += "plot ";
     for (std::size_t r = 0; r < slice.worst.size(); ++r)

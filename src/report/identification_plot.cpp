@@ -197,7 +197,7 @@ std::string entry_plots(const FrequencyResponses& r, const Pair& pair, std::size
   if (with_fit)
     text += fmt::format(", $frf using 1:{} with lines lw 1.2 dt 2 lc rgb '#d55e00' title 'modes'",
                         first + 4);
-  text += "\nunset label\nunset title\nunset key\n" + at_screen(cells.phase);
+  text += "\nunset label\nunset title\nunset key\nset autoscale y\n" + at_screen(cells.phase);
   text +=
       "set format x '%g'\nset xlabel 'Hz' offset 0,0.6\nset ylabel 'phase °' offset 1.2,0\n"
       "set ytics 90\nset autoscale yfix\nset offsets 0,0,10,10\n";

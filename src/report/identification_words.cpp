@@ -355,8 +355,7 @@ std::string warning_text(const data::ResponseWarning& w) {
     case Kind::rings:
       return fmt::format(
           "the loop rings at {:.4g} Hz for longer than a block lasts: it is nearly unstable; modes "
-          "of "
-          "the machine near this frequency are hidden, and resonances of the loop may look like "
+          "of the machine near this frequency are hidden, and resonances of the loop may look like "
           "modes",
           w.value);
     case Kind::cut_sweep:

@@ -33,6 +33,8 @@ std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
+/// Of an element, where quotes stay: a command can be copied from the file (escape_html takes
+/// them).
 std::string xml_text(const std::string& text) {
   std::string out;
   for (const char c : text) {

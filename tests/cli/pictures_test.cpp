@@ -39,6 +39,33 @@ class Pictures : public testing::Test {
   test::TemporaryFolder folder;
 };
 
+std::size_t count_of(const std::string& text, std::string_view piece) {
+  std::size_t count = 0;
+  for (auto at = text.find(piece); at != text.npos; at = text.find(piece, at + 1)) ++count;
+  return count;
+}
+
+/// Phases are points below levels, whose axis is another: they are within their frames.
+TEST_F(Pictures, OfResponsesShowTheirPhases) {
+  ASSERT_EQ(run_hydrapod({"rig", "a & b.toml", "--duration", "20 s", "-o", "r.h5"},
+                         {.folder = folder.path(), .timeout = 120.0})
+                .exit_code,
+            0);
+  for (const std::string command : {"frf", "identify"}) {
+    const auto picture =
+        drawn({command, "r.h5", "--force", "-o", command + ".json", "--plot", "p.svg"});
+    EXPECT_GT(count_of(picture, "' transform='translate("), 100U) << command;
+  }
+}
+
+/// A requirement that is met by far at every point is within the frame.
+TEST_F(Pictures, OfDesignsShowARequirementThatIsFarFromItsBound) {
+  const auto picture =
+      drawn({"design", "a & b.toml", "--change", "platform.mass=12:16 t", "--want", "x >= 1 Hz",
+             "--minimise", "platform.mass", "--samples", "16", "--starts", "1", "--plot", "p.svg"});
+  EXPECT_GT(count_of(picture, " L"), 150U);
+}
+
 TEST_F(Pictures, InSvgNameTheirCommandAndTheFilesInADescription) {
   const std::string file = "a & b.toml";
   const std::vector<std::vector<std::string>> commands{
