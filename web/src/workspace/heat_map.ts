@@ -64,15 +64,18 @@ export class HeatMap {
 
   /** `moved` gets displacements in the two directions [m, rad]; `done` ends a drag. */
   constructor(moved: (across: number, up: number) => void, done: () => void) {
+    // Where the drag began: sections above grow and shrink with the pose, and the browser scrolls the picture
+    // back to its place one frame later.
+    let box = this.picture.getBoundingClientRect();
     const move = (event: PointerEvent) => {
       if (!this.field) return;
-      const box = this.picture.getBoundingClientRect();
       const [x, y] = [event.clientX - box.left, event.clientY - box.top].map((d) => (d * this.width) / box.width) as [number, number];
       moved(this.value(this.field.across, (x - inside.left) / this.plotWidth), this.value(this.field.up, (height - inside.bottom - y) / this.plotHeight));
     };
     this.picture.addEventListener('pointerdown', (event) => {
       this.picture.setPointerCapture(event.pointerId);
       event.preventDefault();
+      box = this.picture.getBoundingClientRect();
       move(event);
     });
     this.picture.addEventListener('pointermove', (event) => this.picture.hasPointerCapture(event.pointerId) && move(event));
