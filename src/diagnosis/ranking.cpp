@@ -107,10 +107,17 @@ std::size_t index_of_nominal(const Diagnosis& d) {
 
 /// Could frequencies have refuted it?
 bool is_tested(const Diagnosis& d, const Hypothesis& e) {
-  return static_cast<int>(d.targets.modes.size()) - e.parameters >= tested_by;
+  if (static_cast<int>(d.targets.modes.size()) - e.parameters < tested_by) return false;
+  return e.causes.size() < 2 || moved_frequencies(d) > e.parameters;
 }
 
 }  // namespace
+
+int moved_frequencies(const Diagnosis& d) {
+  return static_cast<int>(std::ranges::count_if(d.nominal().fit.targets, [](const auto& target) {
+    return std::abs(target.difference) > moved_by;
+  }));
+}
 
 std::optional<Unexplained> why_unexplained(const Diagnosis& d, const Hypothesis& e) {
   if (d.scatter > no_explanation) return Unexplained::scatter;

@@ -243,7 +243,16 @@ std::string amount_text(double value, double deviation, const std::string& unit)
   if (unit == "m^3" && scale.size != 1.0) name = " l";
   const double shown = value / scale.size, spread = std::abs(deviation) / scale.size;
   if (!(spread > 0.0) || !std::isfinite(spread)) return fmt::format("{:.4g}{}", shown, name);
-  const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(spread))), 0, 9);
+  constexpr int most = 9;
+  const int decimals = std::max(0, 1 - static_cast<int>(std::floor(std::log10(spread))));
+  if (decimals > most) {  // leakage, 1e-12 m³/(s Pa)
+    const auto exponent =
+        static_cast<int>(std::floor(std::log10(std::max(std::abs(shown), spread))));
+    const int digits = std::clamp(decimals + exponent, 0, most);
+    const double power = std::pow(10.0, exponent);
+    return fmt::format("({:.{}f} ± {:.{}f})e{}{}", shown / power, digits, spread / power, digits,
+                       exponent, name);
+  }
   return fmt::format("{:.{}f} ± {:.{}f}{}", shown, decimals, spread, decimals, name);
 }
 
@@ -333,6 +342,10 @@ std::string unexplained_text(const Diagnosis& d) {
       return fmt::format("{} misses the measured values by more than the uncertainties allow ({})",
                          best, worst_kind_text(goodness(d, e)));
     case Unexplained::untested:
+      if (static_cast<int>(d.modes.size()) - e.parameters >= diagnosis::tested_by)
+        return fmt::format(
+            "{} fits {} numbers, and only {} frequencies are not those of the nominal machine",
+            best, e.parameters, moved_frequencies(d));
       return fmt::format(
           "{} fits {} numbers to {} frequencies, and so many numbers fit most "
           "frequencies",

@@ -90,6 +90,21 @@ TEST(Unexplained, HasTheReasonThatTheWordsGive) {
   EXPECT_EQ(why_unexplained(of_eight(1.4142), of_eight(1.4142).judged()), std::nullopt);
   expect_reason(of_eight(1.3229, 2, 2), Unexplained::misfit, "χ² 14 with 6 degrees");
   expect_reason(of_eight(0.7, 7), Unexplained::untested, "fits 7 numbers to 8 frequencies");
+  // five numbers of two causes meet five frequencies that have moved one by one; those of one cause
+  // are not chosen from hundreds
+  for (const std::size_t causes : {1, 2})
+    for (const int moved : {6, 5}) {
+      auto several = of_eight(0.7, 5, causes);
+      ASSERT_TRUE(several.hypotheses[1].causes.empty());
+      for (std::size_t k = static_cast<std::size_t>(moved); k < 8; ++k)
+        several.hypotheses[1].fit.targets[k].difference = -2.9;
+      EXPECT_EQ(moved_frequencies(several), moved);
+      if (causes == 1 || moved == 6)
+        EXPECT_EQ(why_unexplained(several, several.judged()), std::nullopt) << causes;
+      else
+        expect_reason(several, Unexplained::untested,
+                      "5 numbers, and only 5 frequencies are not those of the nominal machine");
+    }
   auto held = of_eight(0.7);
   auto& number = held.hypotheses[0].fit.parameters[0];
   number = {.paths = {"platform.mass"}, .unit = "kg", .verdict = calibration::Verdict::at_bound};

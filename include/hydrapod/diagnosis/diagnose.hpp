@@ -469,6 +469,9 @@ struct Goodness {
 
 Goodness goodness(const Diagnosis& d, const Hypothesis& hypothesis);
 
+/// Measured frequencies that the nominal machine does not have, see moved_by.
+int moved_frequencies(const Diagnosis& d);
+
 /// None: it explains what was measured. Called on ranked hypotheses.
 std::optional<Unexplained> why_unexplained(const Diagnosis& d, const Hypothesis& hypothesis);
 
@@ -479,8 +482,11 @@ inline constexpr double least_probability = 0.01, least_probability_of_pair = 0.
 /// BIC > unlisted_bic − over_unlisted: no better than a cause that is no candidate. There are more
 /// causes than candidates: odds of 20 : 1 besides those of `same`.
 inline constexpr double over_unlisted = 2.0 * same;
-/// Frequencies − numbers < tested_by: as many numbers as frequencies, or one less, meet any.
+/// Frequencies − numbers < tested_by: as many numbers as frequencies, or one less, meet any. Of a
+/// pair of causes moved_frequencies ≤ numbers too: the best of some hundred pairs may meet one by
+/// one the frequencies that are not the nominal machine's, by more than moved_by deviations.
 inline constexpr int tested_by = 2;
+inline constexpr double moved_by = 3.0;
 /// Probability from which on values are those of the nominal machine; χ² beyond is 1 chance in 10.
 inline constexpr double usual_frequencies = 0.1;
 
