@@ -12,7 +12,7 @@ struct Arguments {
   MachineArguments machine{};
   std::string udp{"4747"}, bind{}, shared_memory{}, key{}, layout{};
   bool lock_step{}, once{}, print_layout{};
-  std::string hold{"100 ms"}, ramp{"1 s"}, patience{"10 s"}, rest{}, duration{};
+  std::string hold{"100 ms"}, ramp{"1 s"}, patience{"10 s"}, rest{}, duration{}, busy{};
   std::optional<int> fifo{};
   std::vector<std::string> accelerometers{};
   std::string integrator{"exponential"}, step{"0.2 ms"};
@@ -41,6 +41,7 @@ realtime::ServeOptions server_of(const Arguments& arguments, const model::Machin
   options.ramp = seconds("--ramp", arguments.ramp);
   options.patience = seconds("--patience", arguments.patience);
   options.fifo = arguments.fifo;
+  if (!arguments.busy.empty()) options.busy = seconds("--busy", arguments.busy);
   options.accelerometers = rig::default_accelerometers(machine);
   if (!arguments.accelerometers.empty()) options.accelerometers.clear();
   for (const auto& text : arguments.accelerometers)
@@ -156,7 +157,10 @@ void add_transport_options(Command command, Arguments& arguments) {
         "In lock-step, by the wall clock: how long to wait for a client before the ramp down"},
        {"--once", arguments.once, "End when the first client has gone and the platform is at rest"},
        {"--fifo", arguments.fifo, "Real-time priority (SCHED_FIFO), where it is permitted",
-        range(1, 99)}});
+        range(1, 99)},
+       {"--busy", arguments.busy,
+        "How long to wait without sleeping before each sample: caches stay warm, and one "
+        "processor is taken for that time [0]"}});
 }
 
 }  // namespace

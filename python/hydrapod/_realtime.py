@@ -25,9 +25,10 @@ def serve(machine: Machine, address: Union[int, str] = 4747, *, bind: Optional[s
           lock_step: bool = False, once: bool = False, hold: Optional[Quantity] = None,
           ramp: Optional[Quantity] = None, patience: Optional[Quantity] = None, rest: Optional[str] = None,
           duration: Optional[Quantity] = None, fifo: Optional[int] = None,
-          accelerometers: Optional[List[str]] = None, integrator: str = "exponential", step: Quantity = 2e-4,
-          tolerance: float = 1e-6, seed: int = 1, ideal_sensors: bool = False, record: Optional[Path] = None,
-          ready: Optional[Callable[[str], Any]] = None, progress: Optional[Progress] = None) -> Served:
+          busy: Optional[Quantity] = None, accelerometers: Optional[List[str]] = None,
+          integrator: str = "exponential", step: Quantity = 2e-4, tolerance: float = 1e-6, seed: int = 1,
+          ideal_sensors: bool = False, record: Optional[Path] = None, ready: Optional[Callable[[str], Any]] = None,
+          progress: Optional[Progress] = None) -> Served:
     """The machine in real time: commands in, sensors out, by UDP or shared memory.
 
     address: port or "ADDRESS:PORT" of the loopback; 0: any that is free. bind: another address of the computer to
@@ -36,7 +37,7 @@ def serve(machine: Machine, address: Union[int, str] = 4747, *, bind: Optional[s
     once: ends when the first client has gone. hold: how long the last command is held [s], 0.1. ramp: of the ramp
     down to rest [s], 1. rest: a displacement from the pose, "z=-20 mm". patience: for a client in lock-step [s], 10.
     duration: of the machine [s]; default: until progress stops it, or Ctrl-C. fifo: real-time priority, 1 to 99.
-    accelerometers: texts as of `hydrapod rig --help`, [] for none. integrator, step [s], tolerance, seed,
+    busy: how long to wait without sleeping before each sample [s], 0. accelerometers: texts as of `hydrapod rig --help`, [] for none. integrator, step [s], tolerance, seed,
     ideal_sensors: as of simulate(). record: file to write. ready: called with the place ("127.0.0.1:4747") when
     clients can come. Other threads of Python that compute delay `ready` and `progress` alone, and so the sample in
     which they are called; a server for hardware is a process of its own.
@@ -51,7 +52,7 @@ def serve(machine: Machine, address: Union[int, str] = 4747, *, bind: Optional[s
     return _core.serve(_core_of(machine), _checks.options(
         address=_address(address, "address"), bind=bind, shared_memory=shared_memory, key=_path(key),
         layout=_path(layout), lock_step=lock_step, once=once, hold=hold, ramp=ramp, patience=patience, rest=rest,
-        duration=duration, fifo=fifo,
+        duration=duration, fifo=fifo, busy=busy,
         accelerometers=None if accelerometers is None else _checks.words(accelerometers, "accelerometers"),
         integrator=integrator, step=step, tolerance=tolerance, seed=seed, ideal_sensors=ideal_sensors,
         record=_path(record)), ready, progress)

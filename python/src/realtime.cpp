@@ -53,6 +53,7 @@ realtime::ServeOptions server_of(const Machine& machine, const Options& asked) {
   options.ramp = asked.positive("ramp", "s").value_or(options.ramp);
   options.patience = asked.positive("patience", "s").value_or(options.patience);
   options.fifo = priority_of(asked);
+  options.busy = asked.positive("busy", "s").value_or(options.busy);
   options.accelerometers = accelerometers_of(*machine, asked);
   return options;
 }

@@ -139,6 +139,7 @@ def test_rig_on_hardware(zhang, tmp_path):
     (lambda m: hydrapod.serve(m, 0, rest="up=3"), ValueError, "rest"),
     (lambda m: hydrapod.serve(m, 0, duration=-1), ValueError, "duration"),
     (lambda m: hydrapod.serve(m, 0, fifo=100), ValueError, "fifo"),
+    (lambda m: hydrapod.serve(m, 0, busy="0.95 ms"), ValueError, "0.9 of the sample time"),
     (lambda m: hydrapod.serve(m, 0, once="yes"), TypeError, "once"),
     (lambda m: hydrapod.serve(m, 0, ready=3), TypeError, "ready"),
     (lambda m: hydrapod.serve(m, 0, tolerance=1.0), ValueError, "tolerance"),

@@ -51,10 +51,12 @@ void Pace::wait_for_next() {
   double due = begin_ + T_ * static_cast<double>(next_);
   if (next_ > 0 && now > due) ++overruns_;
   while (now < due) {
-    timespec at{};
-    at.tv_sec = static_cast<time_t>(due);
-    at.tv_nsec = static_cast<long>((due - std::floor(due)) * 1e9);
-    ::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &at, nullptr);
+    if (const double until = due - busy_; now < until) {
+      timespec at{};
+      at.tv_sec = static_cast<time_t>(until);
+      at.tv_nsec = static_cast<long>((until - std::floor(until)) * 1e9);
+      ::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &at, nullptr);
+    }
     now = seconds_of(CLOCK_MONOTONIC);
   }
   lateness_ = now - due;

@@ -29,10 +29,11 @@ class Histogram {
 /// Samples at begin + k T of the monotonic clock.
 class Pace {
  public:
-  explicit Pace(double sample_time) : T_(sample_time) {}
+  /// `busy`: ServeOptions::busy.
+  explicit Pace(double sample_time, double busy = 0.0) : T_(sample_time), busy_(busy) {}
 
-  /// Sleeps until the next sample. Where the machine stood still for long (suspended, stopped), the
-  /// samples go on from now.
+  /// Sleeps until the next sample, but for `busy` before it. Where the machine stood still for long
+  /// (suspended, stopped), the samples go on from now.
   void wait_for_next();
   /// The work of a sample, which is measured. An end without a beginning is none.
   void work_begins();
@@ -46,7 +47,7 @@ class Pace {
  private:
   static constexpr double longest_standstill = 0.1;  // [s]
 
-  double T_;
+  double T_, busy_;
   double begin_{-1.0};
   long next_{};
   double lateness_{}, step_begin_{}, processor_begin_{};

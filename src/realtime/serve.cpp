@@ -56,7 +56,8 @@ class Server {
                [&loop](const Command& command) { return is_reachable(loop, command); }),
         follower_({options.hold, options.ramp}, options.rest),
         readings_(loop, options.accelerometers),
-        pace_(loop.parameters().sample_time) {
+        pace_(loop.parameters().sample_time, options.busy) {
+    require_sleep();
     require_session();
     if (!record) return;
     plain_columns_ = simulation::record_channels(loop).size();
@@ -90,6 +91,13 @@ class Server {
   }
 
  private:
+  void require_sleep() const {
+    const double most = longest_busy * loop_.parameters().sample_time;
+    if (!(options_.busy >= 0.0 && options_.busy <= most))
+      base::refuse("--busy", fmt::format("{:g} ms: expected up to {:g} ms, {:g} of the sample time",
+                                         1e3 * options_.busy, 1e3 * most, longest_busy));
+  }
+
   /// A key is worth nothing where packets can be sent again.
   void require_session() const {
     if (!options_.key.given()) return;

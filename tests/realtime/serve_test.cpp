@@ -2,8 +2,10 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 
+#include <cmath>
 #include <filesystem>
 
 #include "served.hpp"
@@ -201,6 +203,31 @@ TEST(Serve, ListensBeyondTheLoopbackWithAKeyOnly) {
                                            "vendor.toml"),
                     .key = key}),
               HasSubstr("must have session and sequence, both u64"));
+}
+
+TEST(Serve, WaitsAwakeForAsLongAsItIsTold) {
+  const auto processor_time = [](double busy) {
+    rusage before{}, after{};
+    ::getrusage(RUSAGE_SELF, &before);
+    Served served({.busy = busy}, fixed_steps(0.4));
+    const auto& result = served.result();
+    ::getrusage(RUSAGE_SELF, &after);
+    EXPECT_EQ(result.run.samples, 400);
+    EXPECT_GE(result.lateness.p50, 0.0);
+    const auto of = [](const rusage& usage) {
+      return static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
+             1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
+    };
+    return of(after) - of(before);
+  };
+  // 0.7 of 0.4 s, less what other programs take of them
+  EXPECT_GT(processor_time(0.7e-3), processor_time(0.0) + 0.1);
+  for (const double busy : {0.91e-3, -1e-6, std::nan("")}) {
+    const auto machine = simulation::machine_of("zhang-jiang-2021");
+    simulation::ClosedLoop loop(machine, machine.neutral(), fixed_steps(0.01));
+    const ServeOptions options{.address = {"127.0.0.1", "0"}, .busy = busy};
+    EXPECT_THROW(serve(loop, options, {}, {}), base::InputError) << busy;
+  }
 }
 
 TEST(Key, IsAFileOfItsOwnerAlone) {

@@ -191,6 +191,9 @@ struct Timing {
   std::vector<Bin> bins{};  ///< those with samples
 };
 
+/// Linux takes the processor from programs with SCHED_FIFO that never sleep (95 % of a second).
+inline constexpr double longest_busy = 0.9;
+
 struct ServeOptions {
   Address address{};
   std::string bind{};           ///< another address to listen at; needs a key
@@ -204,6 +207,9 @@ struct ServeOptions {
   double patience{10.0};          ///< [s] in lock-step, by the wall clock: then the client is gone
   Vector6 rest{Vector6::Zero()};  ///< the rest position, a displacement from the operating pose
   std::optional<int> fifo{};      ///< priority of SCHED_FIFO; none: as other programs
+  /// For how long before each sample the thread waits without sleeping [s], so that the processor
+  /// is awake and its caches are warm; at most longest_busy of the sample time.
+  double busy{};
   std::vector<rig::Accelerometer> accelerometers{};
   /// Called once when clients can come, with the place where ("127.0.0.1:4747").
   std::function<void(const std::string& place)> ready{};
