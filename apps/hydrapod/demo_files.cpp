@@ -39,7 +39,7 @@ const std::vector<Case>& cases() {
        "2. The same machine under its own weight, which the paper leaves out",
        {"environment.gravity=9.81"}},
       {"heavy-platform.toml", "heavy",
-       "3. A heavy machine whose seals lower the x and y frequencies by a third"}};
+       "3. A heavy machine whose seals add modes in x and y a third below those of rigid legs"}};
   return list;
 }
 

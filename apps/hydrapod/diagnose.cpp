@@ -63,13 +63,14 @@ std::string modes_text(const diagnosis::Diagnosis& d, const model::Machine& mach
 
 std::string ranking_text(const diagnosis::Diagnosis& d, std::size_t shown,
                          const TableStyle& style) {
-  Table table({"rank", "<hypothesis", "ΔBIC", "numbers", "misfit", "<values", "<contradiction"});
+  Table table(
+      {"rank", "<hypothesis", "ΔBIC", "numbers", "misfit", "reduced", "<values", "<contradiction"});
   std::size_t rank = 0;
   const auto add = [&](const diagnosis::Hypothesis& e) {
     const auto wrong = report::contradiction_words(d, e);
     table.add_row({fmt::format("{}", rank), report::hypothesis_name(d, e),
                    fmt::format("{:.1f}", e.bic - d.best().bic), fmt::format("{}", e.parameters),
-                   fmt::format("{:.4g}", e.misfit),
+                   fmt::format("{:.4g}", e.misfit), fmt::format("{:.2f}", goodness(d, e).reduced),
                    fmt::format("{}", fmt::join(report::parameter_words(e), "; ")),
                    wrong.empty() ? "" : wrong.front()});
   };

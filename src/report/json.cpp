@@ -55,15 +55,22 @@ std::string damping_text(const model::Machine& machine) {
                     damping.rayleigh_stiffness));
   const bool payload = std::ranges::any_of(
       machine.payload_modes, [](const auto& mode) { return mode.damping_ratio != 0.0; });
-  if (text.empty()) return payload ? "modes of the payload by their damping ratios" : "none";
+  const bool none = text.empty();
+  if (none) text = payload ? "modes of the payload by their damping ratios" : "none";
   if (ratio.is_default) text += " (default: the machine file states no damping)";
-  if (payload) text += "; modes of the payload also by their damping ratios";
-  const bool leaks = std::ranges::any_of(machine.legs, [](const model::Leg& leg) {
-    const auto& of = leg.hydraulics;
+  if (payload && !none) text += "; modes of the payload also by their damping ratios";
+  const auto any = [&](auto states) {
+    return std::ranges::any_of(machine.legs,
+                               [&](const model::Leg& leg) { return states(leg.hydraulics); });
+  };
+  const bool leakage = any([](const auto& of) {
     return of.leakage.internal || of.leakage.external != 0.0 || of.valve.leakage;
   });
-  if (leaks)
-    text += "; the leakage in the file is not used here (damping.oil = \"chambers\" uses it)";
+  const bool valves = any([](const auto& of) { return of.valve.rated_flow.has_value(); });
+  if (leakage || valves)
+    text +=
+        fmt::format("; the {} in the file is not used here (damping.oil = \"chambers\" uses it)",
+                    leakage ? "leakage" : "flow of the valves");
   return text;
 }
 

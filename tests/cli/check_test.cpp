@@ -115,7 +115,7 @@ TEST(Check, AnswersBeyondAssumedStops) {
   const auto result = run_hydrapod({"check", transverse_model, "--pose", "z=-240 mm"});
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_EQ(result.err, "");
-  EXPECT_THAT(result.out, AllOf(HasSubstr("First resonance: "), Not(HasSubstr("position loop")),
+  EXPECT_THAT(result.out, AllOf(HasSubstr("Lowest mode: "), Not(HasSubstr("position loop")),
                                 testing::EndsWith("\nSound at pose z=-240 mm.\n")));
 }
 
@@ -360,7 +360,7 @@ TEST(Check, IsNotSoundWhereThePumpDoesNotCoverTheLeakage) {
   const auto weak = of_flow("1 l/min");
   EXPECT_EQ(weak.exit_code, 1);
   EXPECT_EQ(weak.err, "error: the machine is not sound\n");
-  EXPECT_THAT(weak.out, AllOf(HasSubstr("oil spring N/µm"), HasSubstr("First resonance: "),
+  EXPECT_THAT(weak.out, AllOf(HasSubstr("oil spring N/µm"), HasSubstr("Lowest mode: "),
                               HasSubstr("warning: the pump gives 1 l/min, and the valves leak "),
                               HasSubstr("\nNot sound: the pump gives 1 l/min and the valves leak "),
                               testing::EndsWith(" l/min at pose low.\n")));

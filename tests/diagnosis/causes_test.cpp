@@ -172,6 +172,8 @@ using report::amount_text;
 TEST(Amounts, HaveTheDigitsThatTheirDeviationLeaves) {
   EXPECT_EQ(amount_text(839951.0, 256.0, "N/m"), "839.95 ± 0.26 kN/m");
   EXPECT_EQ(amount_text(1.2345e9, 0.0, "Pa"), "1.234 GPa");
+  EXPECT_EQ(amount_text(2.3456e-12, 3.1e-14, "m^3/(s Pa)"), "(2.346 ± 0.031)e-12 m^3/(s Pa)");
+  EXPECT_EQ(amount_text(-2.3e-12, 4.7e-11, "m^3/(s Pa)"), "(-0.2 ± 4.7)e-11 m^3/(s Pa)");
   EXPECT_EQ(amount_text(14200.0, 310.0, "kg"), "14200 ± 310 kg");
   EXPECT_EQ(amount_text(-0.1634, 0.0021, "m"), "-163.4 ± 2.1 mm");
   EXPECT_EQ(amount_text(0.0431, 0.0012, "1"), "0.0431 ± 0.0012");

@@ -34,6 +34,21 @@ TEST(DampingText, SaysWhatDampsAndWhatIsAssumed) {
             "β = 0 s");
 }
 
+/// Numbers of the hydraulics that the linear models leave out are named, whatever damps.
+TEST(DampingText, SaysWhatOfTheHydraulicsIsNotUsed) {
+  auto machine = symmetric_machine();
+  machine.damping.modal_ratio = 0.0;
+  machine.legs[2].hydraulics.valve.rated_flow = 3.1e-4;
+  EXPECT_EQ(report::damping_text(machine),
+            "none; the flow of the valves in the file is not used here (damping.oil = \"chambers\" "
+            "uses it)");
+  machine.legs[5].hydraulics.leakage.internal = 2.3e-12;
+  machine.damping.modal_ratio = 0.01;
+  EXPECT_EQ(report::damping_text(machine),
+            "1 % of critical in every mode; the leakage in the file is not used here (damping.oil = "
+            "\"chambers\" uses it)");
+}
+
 TEST(DampingText, DoesNotTakeElastomersForViscousDampers) {
   auto machine = symmetric_machine();
   machine.legs[3].guide_sleeve.elastomer = {
