@@ -20,14 +20,14 @@ using simulation::Method;
 using simulation::Plant;
 using simulation::PlantInput;
 
-model::Machine heavy() {
+model::Machine heavy_machine() {
   auto machine = published_machine();
   machine.gravity = {0.0, 0.0, -9.80665};
   for (auto& leg : machine.legs) leg.guide_sleeve.stiffness *= 3.0;
   return machine;
 }
 
-IntegratorOptions with(Method method, double tolerance) {
+IntegratorOptions options_with(Method method, double tolerance) {
   return {.method = method, .relative_tolerance = tolerance, .absolute_tolerance = tolerance};
 }
 
@@ -53,13 +53,13 @@ double scaled_difference(const Plant& plant, const VectorXd& a, const VectorXd& 
 }
 
 TEST(Integrators, AgreeWithinTheirTolerances) {
-  const Plant plant(heavy(), ModelKind::guide);
-  const VectorXd exact = end_state(plant, with(Method::cvode_adams, 1e-12));
+  const Plant plant(heavy_machine(), ModelKind::guide);
+  const VectorXd exact = end_state(plant, options_with(Method::cvode_adams, 1e-12));
   for (const auto method :
        {Method::exponential, Method::adaptive, Method::cvode_adams, Method::cvode_bdf}) {
     double before = 1.0;
     for (const double tolerance : {1e-5, 1e-7, 1e-9}) {
-      const auto x = end_state(plant, with(method, tolerance));
+      const auto x = end_state(plant, options_with(method, tolerance));
       const double error = scaled_difference(plant, x, exact);
       EXPECT_LE(error, 300.0 * tolerance) << name(method);  // local errors add up over the steps
       EXPECT_LT(error, before) << name(method);
@@ -69,10 +69,10 @@ TEST(Integrators, AgreeWithinTheirTolerances) {
 }
 
 TEST(Integrators, FixedStepsHaveOrderFour) {
-  auto machine = heavy();  // edges that stay open have no corner
+  auto machine = heavy_machine();  // edges that stay open have no corner
   for (auto& leg : machine.legs) leg.hydraulics.valve.overlap = -0.6;
   const Plant plant(machine, ModelKind::guide, {.friction = simulation::Friction::viscous});
-  const VectorXd exact = end_state(plant, with(Method::cvode_adams, 1e-12));
+  const VectorXd exact = end_state(plant, options_with(Method::cvode_adams, 1e-12));
   const auto error = [&](double step) {
     return scaled_difference(plant, end_state(plant, {.method = Method::fixed, .fixed_step = step}),
                              exact);
@@ -84,7 +84,7 @@ TEST(Integrators, FixedStepsHaveOrderFour) {
 }
 
 TEST(Integrators, CountWhatTheyDo) {
-  const Plant plant(heavy(), ModelKind::guide);
+  const Plant plant(heavy_machine(), ModelKind::guide);
   simulation::IntegratorStatistics statistics;
   end_state(plant, {.method = Method::fixed, .fixed_step = 2.5e-4}, &statistics);
   EXPECT_EQ(statistics.steps, 30 * 8);
@@ -102,7 +102,7 @@ TEST(Integrators, CountWhatTheyDo) {
 }
 
 TEST(Integrators, GoOnFromAnyStateAgain) {
-  const Plant plant(heavy(), ModelKind::rigid);
+  const Plant plant(heavy_machine(), ModelKind::rigid);
   const auto rest = plant.equilibrium(plant.machine().neutral());
   PlantInput input = rest.input;
   input.command[0] += 0.05;
@@ -119,7 +119,7 @@ TEST(Integrators, GoOnFromAnyStateAgain) {
 }
 
 TEST(Integrators, RefuseWhatMakesNoSense) {
-  const Plant plant(heavy(), ModelKind::rigid);
+  const Plant plant(heavy_machine(), ModelKind::rigid);
   EXPECT_THROW(Integrator(plant, {.relative_tolerance = 0.0}), std::invalid_argument);
   EXPECT_THROW(Integrator(plant, {.absolute_tolerance = NAN}), std::invalid_argument);
   EXPECT_THROW(Integrator(plant, {.method = Method::fixed, .fixed_step = 0.0}),
