@@ -15,12 +15,14 @@ cd "$folder"
 
 # whole numbers of 32 bits, little-endian
 words() {
-  local word
+  local word bytes all=
   for word; do
-    # shellcheck disable=SC2059  # bytes
-    printf "$(printf '\\x%02x\\x%02x\\x%02x\\x%02x' \
-      $((word & 255)) $((word >> 8 & 255)) $((word >> 16 & 255)) $((word >> 24 & 255)))"
+    printf -v bytes '\\x%02x\\x%02x\\x%02x\\x%02x' \
+      $((word & 255)) $((word >> 8 & 255)) $((word >> 16 & 255)) $((word >> 24 & 255))
+    all+=$bytes
   done
+  # shellcheck disable=SC2059  # bytes
+  printf "$all"
 }
 
 printf 'step,demand_um,platform_um,leg1_um\n'
