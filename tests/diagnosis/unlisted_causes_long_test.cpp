@@ -14,12 +14,13 @@ namespace hydrapod::test {
 
 namespace {
 
-TEST(UnlistedCauses, AreNotBlamedOnListedParts) {
+/// The largest share of cases in which another part may be blamed.
+void expect_few_blamed(unsigned draw, double most) {
   int cases = 0, blamed = 0, same_part = 0;
   std::cout
       << "| machine | poses | noise | planted | change of a frequency | verdict | identified |\n"
          "| --- | --- | --- | --- | ---: | --- | --- |\n";
-  for (const auto& test : unlisted_cases()) {
+  for (const auto& test : unlisted_cases(1000, draw)) {
     const auto result = run_unlisted(test);
     ++cases;
     same_part += result.right_part;
@@ -36,8 +37,13 @@ TEST(UnlistedCauses, AreNotBlamedOnListedParts) {
   std::cout << "\nA part that is not the cause is identified in " << rate_text(blamed, cases)
             << ", the part itself in " << rate_text(same_part, cases) << ".\n";
   EXPECT_GE(cases, 60);
-  EXPECT_LE(blamed, 0.05 * cases);
+  EXPECT_LE(blamed, most * cases);
 }
+
+TEST(UnlistedCauses, AreNotBlamedOnListedParts) { expect_few_blamed(0, 0.05); }
+
+/// No rule was set with these in view: the rate is higher.
+TEST(UnlistedCauses, OfAnotherDrawAreBlamedMoreOften) { expect_few_blamed(1, 0.1); }
 
 /// Machines as their files state them, of which nothing may be blamed.
 std::vector<BlindCase> sound_machines() {

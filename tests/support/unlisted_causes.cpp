@@ -366,9 +366,15 @@ bool stands(const UnlistedCase& test) {
 
 }  // namespace
 
-std::vector<UnlistedCase> unlisted_cases(std::size_t machines) {
+std::vector<UnlistedCase> unlisted_cases(std::size_t machines, unsigned draw) {
+  constexpr unsigned apart = 7919;
   std::vector<UnlistedCase> all;
-  for (const auto& setting : settings() | std::views::take(machines)) {
+  for (auto setting : settings() | std::views::take(machines)) {
+    constexpr std::string_view random = "random ";
+    if (setting.machine.starts_with(random))
+      setting.machine = fmt::format(
+          "{}{}", random,
+          100 * draw + static_cast<unsigned>(std::stoi(setting.machine.substr(random.size()))));
     const BlindCase basic{.machine = setting.machine,
                           .design = setting.design,
                           .poses = setting.poses,
@@ -376,8 +382,8 @@ std::vector<UnlistedCase> unlisted_cases(std::size_t machines) {
     const auto scales = scales_of(machine_file(basic.text(), setting.design));
     for (const auto add :
          {add_seals, add_payload, add_masses, add_geometry, add_surroundings, add_others}) {
-      Random random(5003U + 101U * all.size());
-      double size = random.log_uniform(0.4, 2.0);
+      Random numbers(5003U + 101U * all.size() + apart * draw);
+      double size = numbers.log_uniform(0.4, 2.0);
       std::vector<UnlistedCase> some;
       constexpr double smallest = 0.05;
       for (bool stand = false; !stand && size > smallest; size *= 0.5) {
@@ -393,7 +399,7 @@ std::vector<UnlistedCase> unlisted_cases(std::size_t machines) {
       }
       std::erase_if(some, [](const auto& one) { return !stands(one); });
       for (auto& one : some) {
-        one.basic.repetition = 5000 + static_cast<int>(all.size());
+        one.basic.repetition = 5000 + static_cast<int>(all.size() + 3U * apart * draw);
         all.push_back(std::move(one));
       }
     }

@@ -41,7 +41,8 @@ struct UnlistedResult {
 /// All cases of the series, or those of its first machines, which take less time to make. Bristles
 /// of the cylinders' seals are a candidate cause with one spring for all modes and legs; harmonic
 /// balance has another one for each.
-std::vector<UnlistedCase> unlisted_cases(std::size_t machines = 1000);
+/// `draw`: other sizes, noise and random machines.
+std::vector<UnlistedCase> unlisted_cases(std::size_t machines = 1000, unsigned draw = 0);
 
 /// Those with bristles, at two amplitudes.
 std::vector<UnlistedCase> sticking_cases();
