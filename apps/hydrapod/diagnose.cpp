@@ -64,7 +64,7 @@ std::string modes_text(const diagnosis::Diagnosis& d, const model::Machine& mach
 std::string ranking_text(const diagnosis::Diagnosis& d, std::size_t shown,
                          const TableStyle& style) {
   Table table(
-      {"rank", "<hypothesis", "ΔBIC", "numbers", "misfit", "reduced", "<values", "<contradiction"});
+      {"rank", "<hypothesis", "ΔBIC", "numbers", "misfit", "χ²/ν", "<values", "<contradiction"});
   std::size_t rank = 0;
   const auto add = [&](const diagnosis::Hypothesis& e) {
     const auto wrong = report::contradiction_words(d, e);

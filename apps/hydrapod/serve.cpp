@@ -159,7 +159,8 @@ void add_transport_options(Command command, Arguments& arguments) {
        {"--fifo", arguments.fifo, "Real-time priority (SCHED_FIFO), where it is permitted",
         range(1, 99)},
        {"--busy", arguments.busy,
-        "How long to wait without sleeping before each sample: caches stay warm, and one "
+        "On the wall clock, how long to wait without sleeping before each sample: caches stay "
+        "warm, and one "
         "processor is taken for that time [0]"}});
 }
 

@@ -37,10 +37,11 @@ def serve(machine: Machine, address: Union[int, str] = 4747, *, bind: Optional[s
     once: ends when the first client has gone. hold: how long the last command is held [s], 0.1. ramp: of the ramp
     down to rest [s], 1. rest: a displacement from the pose, "z=-20 mm". patience: for a client in lock-step [s], 10.
     duration: of the machine [s]; default: until progress stops it, or Ctrl-C. fifo: real-time priority, 1 to 99.
-    busy: how long to wait without sleeping before each sample [s], 0. accelerometers: texts as of `hydrapod rig --help`, [] for none. integrator, step [s], tolerance, seed,
-    ideal_sensors: as of simulate(). record: file to write. ready: called with the place ("127.0.0.1:4747") when
-    clients can come. Other threads of Python that compute delay `ready` and `progress` alone, and so the sample in
-    which they are called; a server for hardware is a process of its own.
+    busy: on the wall clock, how long to wait without sleeping before each sample [s], 0. accelerometers: texts as of
+    `hydrapod rig --help`, [] for none. integrator, step [s], tolerance, seed, ideal_sensors: as of simulate().
+    record: file to write. ready: called with the place ("127.0.0.1:4747") when clients can come. Other threads of
+    Python that compute delay `ready` and `progress` alone, and so the sample in which they are called; a server for
+    hardware is a process of its own.
 
     Result, a Served: place, samples, time [s], sample_time [s], state, finished, message, record, deadline_misses,
     warnings; counters of packets and times of steps in .to_dict().

@@ -11,12 +11,13 @@
 #include <numbers>
 
 #include "hydrapod/simulation/plant.hpp"
+#include "support/classical_step.hpp"
+#include "support/sustained_swing.hpp"
 #include "support/symmetric_machine.hpp"
 
 namespace hydrapod::simulation {
 namespace {
 
-/// Fourth-order Runge–Kutta, written here so that no integrator of the library is believed.
 class Swing {
  public:
   Swing(const Plant& plant, Eigen::VectorXd x, PlantInput input)
@@ -27,7 +28,8 @@ class Swing {
   double frequency(int state, double middle, int periods, double step) {
     double first = -1.0, before = x_[state] - middle, t = 0.0;
     for (int crossings = 0;;) {
-      advance(step);
+      x_ = test::classical_step([this](const Eigen::VectorXd& state) { return rate(state); }, x_,
+                                step);
       t += step;
       const double now = x_[state] - middle;
       if (before < 0.0 && now >= 0.0) {
@@ -46,11 +48,6 @@ class Swing {
     EXPECT_TRUE(plant_.derivative(0.0, x.data(), input_, result.data()));
     return result;
   }
-  void advance(double h) {
-    const Eigen::VectorXd k1 = rate(x_), k2 = rate(x_ + 0.5 * h * k1), k3 = rate(x_ + 0.5 * h * k2),
-                          k4 = rate(x_ + h * k3);
-    x_ += h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
-  }
 
   const Plant& plant_;
   Eigen::VectorXd x_;
@@ -64,12 +61,7 @@ double simulated(const model::Machine& machine, const modal::ModeAtAmplitude& po
   const auto& X_BP = machine.neutral();
   const Plant plant(machine, ModelKind::guide, {.hydraulics = false, .friction = Friction::none});
   // The shape, scaled to the amplitude of the joint that moves most, at a turning point.
-  double largest = 0.0;
-  for (const auto& leg : machine.legs) {
-    const spatial::Vector3 arm = X_BP.R_BP * (leg.platform_joint - machine.platform.mass_center);
-    const spatial::Vector3 v = point.shape.head<3>(), w = point.shape.segment<3>(3);
-    largest = std::max(largest, (v + w.cross(arm)).norm());
-  }
+  const double largest = joint_motion(machine, point.shape.head<6>());
   Eigen::VectorXd change = Eigen::VectorXd::Zero(plant.layout().tangent());
   change.head(point.shape.size()) = point.shape * (point.amplitude / largest);
   const auto rest = plant.equilibrium(X_BP);

@@ -12,6 +12,7 @@
 #include <unsupported/Eigen/MatrixFunctions>
 
 #include "hydrapod/simulation/closed_loop.hpp"
+#include "support/classical_step.hpp"
 #include "support/loop_machine.hpp"
 
 namespace hydrapod::simulation {
@@ -79,9 +80,7 @@ class SteppedLoop {
   void runge_kutta(double h, const Vector6& drive) {
     const Eigen::VectorXd b = linear_.B.leftCols(6) * drive;
     const auto f = [&](const Eigen::VectorXd& at) -> Eigen::VectorXd { return linear_.A * at + b; };
-    const Eigen::VectorXd k1 = f(x), k2 = f(x + 0.5 * h * k1), k3 = f(x + 0.5 * h * k2),
-                          k4 = f(x + h * k3);
-    x += h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
+    x = test::classical_step(f, x, h);
   }
 
   Plant plant_;

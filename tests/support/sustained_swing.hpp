@@ -7,15 +7,29 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "hydrapod/dynamics/linear_model.hpp"
 #include "hydrapod/modal/damped_modes.hpp"
 #include "hydrapod/simulation/plant.hpp"
+#include "support/classical_step.hpp"
 
 namespace hydrapod::simulation {
 
+/// How far the platform joint that moves most goes at the neutral pose, per motion of the platform.
+inline double joint_motion(const model::Machine& machine, const Vector6& motion) {
+  double largest = 0.0;
+  for (const auto& leg : machine.legs) {
+    const Vector3 arm =
+        machine.neutral().R_BP * (leg.platform_joint - machine.platform.mass_center);
+    const Vector3 v = motion.head<3>(), w = motion.tail<3>();
+    largest = std::max(largest, (v + w.cross(arm)).norm());
+  }
+  return largest;
+}
+
 /// A wrench along the motion of one mode makes up for its damping: c (bᵀ v) b with b = M_p φ_p,
-/// where c is larger the smaller the amplitude is. Classical Runge–Kutta.
+/// where c is larger the smaller the amplitude is.
 class SustainedSwing {
  public:
   /// `slope`: how much c grows as the amplitude falls. A loss that grows with the amplitude alone,
@@ -25,23 +39,19 @@ class SustainedSwing {
                  bool blocked = false, double slope = 0.5)
       : plant_(machine, kind,
                {.hydraulics = blocked, .friction = blocked ? Friction::all : Friction::none}),
-        rest_(plant_.equilibrium(machine.neutral()).x),
-        input_(plant_.equilibrium(machine.neutral()).input),
         shape_(point.shape.head<6>()),
         b_(dynamics::linear_model(machine, machine.neutral(), kind).platform_mass * shape_),
         own_(shape_.dot(b_)),
         omega_(point.omega),
         damping_(2.0 * point.damping_ratio * point.omega / (own_ * own_)),
         slope_(slope) {
-    for (const auto& leg : machine.legs) {
-      const Vector3 arm =
-          machine.neutral().R_BP * (leg.platform_joint - machine.platform.mass_center);
-      const Vector3 v = shape_.head<3>(), w = shape_.tail<3>();
-      joint_ = std::max(joint_, (v + w.cross(arm)).norm());
-    }
+    auto rest = plant_.equilibrium(machine.neutral());
+    rest_ = std::move(rest.x);
+    input_ = rest.input;
+    joint_ = joint_motion(machine, shape_);
     amplitude_ = point.amplitude / joint_;
     Eigen::VectorXd change = Eigen::VectorXd::Zero(plant_.layout().tangent());
-    if (blocked)
+    if (blocked)  // a change of the pose has three numbers for the rotation, the state has four
       change.segment(plant_.layout().velocity() - 1, point.shape.size()) =
           point.shape * (amplitude_ * omega_);
     else
@@ -59,7 +69,7 @@ class SustainedSwing {
     double first = -1.0, before = coordinate(x_), squares = 0.0, gains = 0.0;
     long steps = 0;
     for (double t = 0.0; t < 100.0;) {
-      advance(step);
+      x_ = test::classical_step([this](const Eigen::VectorXd& x) { return rate(x); }, x_, step);
       t += step;
       const double now = coordinate(x_);
       const bool crosses = before < 0.0 && now >= 0.0;
@@ -108,11 +118,6 @@ class SustainedSwing {
     input.wrench = gain(x) * rate_of(x) * own_ * b_;
     EXPECT_TRUE(plant_.derivative(0.0, x.data(), input, result.data()));
     return result;
-  }
-  void advance(double h) {
-    const Eigen::VectorXd k1 = rate(x_), k2 = rate(x_ + 0.5 * h * k1), k3 = rate(x_ + 0.5 * h * k2),
-                          k4 = rate(x_ + h * k3);
-    x_ += h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
   }
 
   Plant plant_;

@@ -66,7 +66,7 @@ export class HeatMap {
   constructor(moved: (across: number, up: number) => void, done: () => void) {
     // Where the drag began: sections above grow and shrink with the pose, and the browser scrolls the picture
     // back to its place one frame later.
-    let box = this.picture.getBoundingClientRect();
+    let box = new DOMRect();
     const move = (event: PointerEvent) => {
       if (!this.field) return;
       const [x, y] = [event.clientX - box.left, event.clientY - box.top].map((d) => (d * this.width) / box.width) as [number, number];
