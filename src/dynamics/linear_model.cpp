@@ -231,6 +231,7 @@ LinearModel assembled_for(const model::Machine& machine, const spatial::Pose& X_
   if (!model::has_chambers(machine)) return assembled(machine, X_BP, kind, base, search);
   auto damped = with_seal_dampers(machine, kind, X_BP);
   for (auto& leg : damped.legs) leg.oil_spring.damping = 0.0;
+  damped.damping.oil = model::OilDamping::chambers;
   return assembled(damped, X_BP, kind, base, search);
 }
 

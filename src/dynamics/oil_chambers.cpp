@@ -17,16 +17,16 @@ hydraulics::HydraulicRest rest_of(const hydraulics::ServoAxis& axis, const model
                                   int i, double s, double force) {
   if (s < axis.stops.low || s > axis.stops.high)
     throw base::ComputationError(fmt::format(
-        "damping.oil = \"chambers\": at this pose the piston of leg {} stands at {:.4g} m from the "
-        "base joint, outside its stroke of {:.4g} to {:.4g} m",
+        "chambers of the oil: at this pose the piston of leg {} stands at {:.4g} m from the base "
+        "joint, outside its stroke of {:.4g} to {:.4g} m; damping.oil = \"viscous\" does without "
+        "chambers",
         i + 1, s, axis.stops.low, axis.stops.high));
   const auto rest = hydraulics::hydraulic_rest(axis, supply, force);
   if (!rest.found)
     throw base::ComputationError(fmt::format(
-        "damping.oil = \"chambers\": a supply of {:.4g} MPa cannot hold the static force of {:.4g} "
-        "N "
-        "on leg {} at this pose; expected a higher `supply.pressure`, a larger cylinder or less "
-        "leakage",
+        "chambers of the oil: a supply of {:.4g} MPa cannot hold the static force of {:.4g} N on "
+        "leg {} at this pose; expected a higher `supply.pressure`, a larger cylinder, less leakage "
+        "or damping.oil = \"viscous\", which does without chambers",
         1e-6 * supply.pressure, force, i + 1));
   return rest;
 }

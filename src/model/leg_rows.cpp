@@ -299,7 +299,7 @@ constexpr ParameterRow leg_rows[]{
     number<oil, &OilSpring::damping>(
         "legs.oil_spring.damping", "N s/m", standard, not_negative,
         "c_h, viscous, parallel to the spring; simulations, poles of the system and "
-        "`damping.oil = \"chambers\"` model leakage, valves and friction in its place",
+        "chambers (`damping.oil`) model leakage, valves and friction in its place",
         given("10 kN s/m")),
     instead_of(drop_stiffness,
                table("legs.oil_spring.cylinder", required, "what the stiffness follows from")),

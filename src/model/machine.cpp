@@ -58,6 +58,23 @@ bool has_rayleigh_damping(const Machine& machine) {
   return machine.damping.rayleigh_mass != 0.0 || machine.damping.rayleigh_stiffness != 0.0;
 }
 
+namespace {
+bool states_flow(const LegHydraulics& of) {
+  return of.valve.rated_flow || of.valve.leakage.value_or(0.0) != 0.0 ||
+         of.leakage.internal.value_or(0.0) != 0.0 || of.leakage.external != 0.0;
+}
+}  // namespace
+
+bool has_chambers(const Machine& machine) {
+  if (machine.damping.oil != OilDamping::automatic)
+    return machine.damping.oil == OilDamping::chambers;
+  return leg_type(machine) == LegType::cylinder &&
+         std::ranges::none_of(machine.legs,
+                              [](const Leg& leg) { return leg.oil_spring.damping != 0.0; }) &&
+         std::ranges::any_of(machine.legs,
+                             [](const Leg& leg) { return states_flow(leg.hydraulics); });
+}
+
 ModalRatio modal_ratio(const Machine& machine) {
   return has_chambers(machine) ? ModalRatio{} : seal_ratio(machine);
 }

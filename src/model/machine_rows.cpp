@@ -106,7 +106,7 @@ constexpr ParameterRow spring(std::string_view path, std::string_view meaning,
 }
 
 constexpr std::string_view axes_words[]{"transverse", "gimbal"};
-constexpr std::string_view oil_damping_words[]{"viscous", "chambers"};
+constexpr std::string_view oil_damping_words[]{"viscous", "chambers", "automatic"};
 
 constexpr auto mount = &Machine::base_mount;
 
@@ -218,9 +218,9 @@ constexpr ParameterRow damping_rows[]{
         "damping.oil", oil_damping_words,
         "what damps the oil in modes and Bode diagrams: `\"viscous\"`, the damper "
         "`legs.oil_spring.damping` beside the spring, or `\"chambers\"`, leakage and valve at "
-        "rest, "
-        "in series with the oil of each chamber as in simulations; `modal_ratio` is then that of "
-        "seals and base mount"),
+        "rest, in series with the oil of each chamber as in simulations; `modal_ratio` is then "
+        "that of seals and base mount. `\"automatic\"`: chambers where a leg states leakage or a "
+        "valve and none has an `oil_spring.damping`, else viscous"),
     number<&Machine::damping, &Damping::modal_ratio>(
         "damping.modal_ratio", "1", otherwise("0.02 where the file states no damping, else 0"),
         below_one,

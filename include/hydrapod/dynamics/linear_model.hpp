@@ -109,7 +109,7 @@ struct LinearModel {
   ModelMatrix M{}, K{};
   ModelMatrix
       C{};  ///< viscous dampers of the legs and Rayleigh damping; modal ratios are not in it
-  /// With model::OilDamping::chambers two per leg, in the order of the legs; then those of seals
+  /// With model::has_chambers() two per leg, in the order of the legs; then those of seals
   /// that are elastomers. M ÿ + C ẏ + K y less the arms' forces is F; the undamped modes are those
   /// of closed chambers and of arms with rigid dampers.
   std::vector<RelaxingArm> arms{};

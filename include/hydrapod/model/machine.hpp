@@ -259,9 +259,11 @@ inline constexpr double default_modal_ratio = 0.02;
 
 /// What damps the oil in the linear models.
 enum class OilDamping {
-  viscous,  ///< `oil_spring.damping`, a damper parallel to the oil spring
-  chambers  ///< leakage and valve at rest: each chamber is a spring in series with a damper, as in
-            ///< simulations (docs/theory/hydraulics.md, "Oil damping in the linear models")
+  viscous,   ///< `oil_spring.damping`, a damper parallel to the oil spring
+  chambers,  ///< leakage and valve at rest: each chamber is a spring in series with a damper, as in
+             ///< simulations (docs/theory/hydraulics.md, "Oil damping in the linear models")
+  automatic  ///< `chambers` where a leg states leakage or a valve and none has an
+             ///< `oil_spring.damping`, else `viscous`
 };
 
 /// Damping that is not a named damper. Added to the viscous dampers of the legs.
@@ -270,7 +272,7 @@ struct Damping {
   std::optional<double> modal_ratio{};
   double rayleigh_mass{};       ///< α [1/s] of C = α M + β K
   double rayleigh_stiffness{};  ///< β [s]
-  OilDamping oil{OilDamping::viscous};
+  OilDamping oil{OilDamping::automatic};
 };
 
 struct NamedPose {
@@ -315,19 +317,18 @@ struct ModalRatio {
   bool is_default{};  ///< nothing in the machine says anything about damping
 };
 
-/// ζ that every mode of the linear models has on top of the dampers: none with
-/// OilDamping::chambers, else seal_ratio().
+/// ζ that every mode of the linear models has on top of the dampers: none with chambers, else
+/// seal_ratio().
 ModalRatio modal_ratio(const Machine& machine);
 
 /// ζ of seals and base mount where these get dampers of their own (simulations, and linear models
-/// with OilDamping::chambers): `damping.modal_ratio` where it is set; else `default_modal_ratio`
+/// with chambers): `damping.modal_ratio` where it is set; else `default_modal_ratio`
 /// where the legs have no damper and Rayleigh's damping is zero; else 0.
 ModalRatio seal_ratio(const Machine& machine);
 
-/// Are the oil columns of the linear models two chambers per leg, with leakage and valve?
-inline bool has_chambers(const Machine& machine) {
-  return machine.damping.oil == OilDamping::chambers;
-}
+/// Are the oil columns of the linear models two chambers per leg, with leakage and valve? What
+/// OilDamping::automatic stands for follows from the legs.
+bool has_chambers(const Machine& machine);
 
 LegType leg_type(const Leg& leg);
 /// That of the first leg.

@@ -177,7 +177,7 @@ std::string nearest_parameter(const MachineFile& file, std::string_view path);
 const ParameterRow& row_of(const ParameterId& id);
 std::string path(const Machine& machine, const ParameterId& id);
 std::string_view unit(const Machine& machine, const ParameterId& id);
-/// Does it enter the linear models of the mechanism? With OilDamping::chambers leakage, valves,
+/// Does it enter the linear models of the mechanism? With has_chambers() leakage, valves,
 /// friction along the legs and supply do too; with seals that know the pressure, what the pressures
 /// at rest follow from.
 bool of_mechanics(const Machine& machine, const ParameterId& id);

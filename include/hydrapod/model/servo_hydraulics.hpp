@@ -124,8 +124,9 @@ struct JointFriction {
   double viscous{};             ///< [N m s/rad]
   double coulomb{};             ///< [N m]
   double smoothing_rate{0.01};  ///< [rad/s]
-  /// [N m/rad] of what sticks before it slides (LuGre); modes at amplitudes only.
+  /// σ0 [N m/rad] of what sticks before it slides (LuGre).
   std::optional<double> bristle_stiffness{};
+  double bristle_damping{};  ///< σ1 [N m s/rad]
 };
 
 /// What stops the piston at both ends of its stroke.
@@ -171,6 +172,7 @@ struct LegHydraulics {
 /// "Waves in lines"). Every line that has a length; lengths and volumes are those of Cylinder.
 struct Lines {
   double segments{};       ///< N, a whole number; 0: each line is a dead end without waves
+  double modes{};          ///< per line, a whole number, in place of segments
   double viscosity{0.04};  ///< μ [Pa s]: 46 mm²/s at 870 kg/m³, an oil of ISO VG 46 at 40 °C
 };
 
