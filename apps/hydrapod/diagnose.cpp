@@ -126,14 +126,19 @@ std::string remedy_text(const diagnosis::CaseFile& file, const TableStyle& style
   if (!file.remedy || file.remedy->changes.empty()) return {};
   constexpr std::size_t most = 24;
   const auto machine = machine_word(file);
-  Table table({"<pose", "<direction", "rigid Hz", fmt::format("{} Hz", machine), "required Hz",
-               "required drop"});
+  Table table({"<pose", "<direction", "rigid Hz", fmt::format("{} Hz", machine), "share",
+               "required Hz", "drop", "share", "peak"});
   const auto& changes = file.remedy->changes;
   for (std::size_t k = 0; k < std::min(most, changes.size()); ++k) {
     const auto& c = changes[k];
-    table.add_row({c.pose, report::direction_words(c.direction), hertz(c.omega_rigid),
-                   c.omega_today > 0.0 ? hertz(c.omega_today) : "folds", hertz(c.omega_needed),
-                   fmt::format("{:.1f} %", 100.0 * (1.0 - c.omega_needed / c.omega_rigid))});
+    table.add_row(
+        {c.pose, report::direction_words(c.direction), hertz(c.omega_rigid),
+         c.omega_today > 0.0 ? hertz(c.omega_today) : "folds",
+         c.omega_today > 0.0 ? fmt::format("{:.0f} %", 100.0 * c.mac_today) : "",
+         hertz(c.omega_needed),
+         fmt::format("{:.1f} %", 100.0 * (1.0 - c.omega_needed / c.omega_rigid)),
+         fmt::format("{:.0f} %", 100.0 * c.mac_needed),
+         fmt::format("{:.2f}", report::peak_height(c.mac_needed, c.omega_needed, c.omega_rigid))});
   }
   std::string text =
       heading(

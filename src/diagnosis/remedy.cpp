@@ -21,6 +21,7 @@ constexpr double softest = 1e-3;
 struct Worst {
   double omega{std::numeric_limits<double>::infinity()};
   double drop{-std::numeric_limits<double>::infinity()};
+  double mac{};  ///< of the resonance with that drop
   std::string pose{}, direction{};
 };
 
@@ -39,12 +40,13 @@ class Question {
       try {
         all = first_resonances(machine, pose.X_BP, kind_);
       } catch (const base::ComputationError&) {  // folded: no resonance at all
-        return {0.0, 1.0, pose.name, ""};
+        return {0.0, 1.0, 0.0, pose.name, ""};
       }
       for (const auto& found : all) {
         if (goal_.direction && found.main_direction != *goal_.direction) continue;
         const bool worse = goal_.drop ? found.drop() > worst.drop : found.omega < worst.omega;
         worst.omega = std::min(worst.omega, found.omega);
+        if (found.drop() > worst.drop) worst.mac = found.mac;
         worst.drop = std::max(worst.drop, found.drop());
         if (!worse) continue;
         worst.pose = pose.name;
@@ -61,7 +63,7 @@ class Question {
   [[nodiscard]] RemedyPoint point(double factor) const {
     const auto at = worst(factor);
     const auto sleeves = sleeves_of(machine_);
-    RemedyPoint point{factor, factor * sleeves.stiffest, at.omega, at.drop};
+    RemedyPoint point{factor, factor * sleeves.stiffest, at.omega, at.drop, at.mac};
     if (sleeves.softest) point.softest = factor * *sleeves.softest;
     return point;
   }
@@ -110,8 +112,8 @@ std::vector<Change> changes(const model::Machine& machine,
       } catch (const base::ComputationError&) {  // folded today
       }
       for (std::size_t r = 0; r < after.size(); ++r)
-        all.push_back(
-            {pose.name, after[r].direction, after[r].omega_rigid, before[r].omega, after[r].omega});
+        all.push_back({pose.name, after[r].direction, after[r].omega_rigid, before[r].omega,
+                       after[r].omega, before[r].mac, after[r].mac});
     } catch (const base::ComputationError&) {
       all.push_back({pose.name, ""});
     }

@@ -17,9 +17,14 @@ int first_resonance(const NormalModes& modes, int d, double share) {
   return -1;
 }
 
-/// Frequency of the rigid mode that holds most of a flexible mode's momentum.
-double rigid_counterpart(const LinearModel& flexible, const ModelVector& phi,
-                         const NormalModes& rigid) {
+struct Counterpart {
+  double omega{};
+  double share{};  ///< (ψᵀ M_r φ)²
+};
+
+/// The rigid mode that holds most of a flexible mode's momentum.
+Counterpart rigid_counterpart(const LinearModel& flexible, const ModelVector& phi,
+                              const NormalModes& rigid) {
   const int beyond = flexible.beyond_legs();
   ModelVector momentum(6 + beyond);
   momentum.head<6>() = flexible.M.topRows<6>() * phi;
@@ -27,7 +32,7 @@ double rigid_counterpart(const LinearModel& flexible, const ModelVector& phi,
   int best = 0;
   const ModelVector common = rigid.shapes.transpose() * momentum;
   common.cwiseAbs().maxCoeff(&best);
-  return rigid.omega(best);
+  return {rigid.omega(best), common[best] * common[best]};
 }
 
 /// Platform energies of mode k per direction, φᵀ M φ being 1.
@@ -41,14 +46,18 @@ Vector6 platform_energies(const LinearModel& model, const NormalModes& modes, in
 Resonances resonances(const LinearModel& flexible, const NormalModes& modes,
                       const NormalModes& rigid, double share) {
   Resonances found{.lowest = missing, .direction = -1, .drop = missing};
-  found.first.setConstant(missing);
-  found.drops.setConstant(missing);
+  found.share = found.peak = missing;
+  for (auto* numbers : {&found.first, &found.drops, &found.shares, &found.peaks})
+    numbers->setConstant(missing);
   for (int k = 0; k < modes.size(); ++k) {
     const Vector6 energies = platform_energies(flexible, modes, k);
     if (energies.sum() < local_mode_energy) continue;
     energies.maxCoeff(&found.direction);
     found.lowest = modes.omega(k);
-    found.drop = 1.0 - found.lowest / rigid_counterpart(flexible, modes.shapes.col(k), rigid);
+    const auto like = rigid_counterpart(flexible, modes.shapes.col(k), rigid);
+    found.drop = 1.0 - found.lowest / like.omega;
+    found.share = like.share;
+    found.peak = like.share * std::pow(like.omega / found.lowest, 2);
     break;
   }
   for (int d = 0; d < 6; ++d) {
@@ -56,6 +65,9 @@ Resonances resonances(const LinearModel& flexible, const NormalModes& modes,
     if (k < 0 || r < 0) continue;
     found.first[d] = modes.omega(k);
     found.drops[d] = 1.0 - modes.omega(k) / rigid.omega(r);
+    const double own = std::pow(modes.shapes(d, k), 2), of_rigid = std::pow(rigid.shapes(d, r), 2);
+    found.shares[d] = own / modes.shapes.row(d).squaredNorm();
+    found.peaks[d] = own * rigid.omega2[r] / (of_rigid * modes.omega2[k]);
   }
   return found;
 }

@@ -39,7 +39,7 @@ std::string mass_text(double mass) {
 std::string warning_text(const PoseWarning& warning) {
   static constexpr std::array texts{
       "the legs buckle under the present load: remove {mass}, or use stiffer guide sleeves",
-      "the legs buckle with {mass} more on the platform ({ratio:.3g} times its mass)",
+      "the legs buckle with {mass} more on the platform (in all {ratio:.3g} times its mass)",
       "no static equilibrium was found at this pose",
       "{legs}: only {millimetres:.3g} mm of stroke left",
       "{legs}: the piston is only {millimetres:.3g} mm from the guide sleeve; the tilt stiffness "

@@ -176,6 +176,7 @@ void describe(Fields& f, RemedyPoint& p) {
   f("stiffness_N_m", p.stiffness);
   f.scaled("frequency_hz", p.omega, two_pi);
   f("drop", p.drop);
+  f("mac", p.mac);
   f.optional("softest_N_m", p.softest);
 }
 
@@ -186,6 +187,8 @@ void describe(Fields& f, Change& change) {
   f.scaled("rigid_hz", change.omega_rigid, two_pi);
   f.scaled("present_hz", change.omega_today, two_pi);
   f.scaled("required_hz", change.omega_needed, two_pi);
+  f("present_mac", change.mac_today);
+  f("required_mac", change.mac_needed);
 }
 
 template <class Fields>

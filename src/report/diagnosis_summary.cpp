@@ -275,9 +275,10 @@ std::string bending_words(const Remedy& r) {
   const auto& without = *r.limit_without_bending;
   const auto small = [](double drop) { return fmt::format("{:.2g} %", 100.0 * drop); };
   return fmt::format(
-      " Bending of rods and cases limits what stiffer guide sleeves give to {} and a drop of {}; "
-      "with rods and cases that do not bend, rigid guide sleeves would give {} and {}.",
-      frequency_text(r.limit.omega), small(r.limit.drop), frequency_text(without.omega),
+      " Bending of rods and cases limits what stiffer guide sleeves give to {} and a drop of {} "
+      "({}); with rods and cases that do not bend, rigid guide sleeves would give {} and {}.",
+      frequency_text(r.limit.omega), small(r.limit.drop),
+      weight_text(r.limit.mac, 1.0 - r.limit.drop, 1.0), frequency_text(without.omega),
       small(without.drop));
 }
 
@@ -289,9 +290,10 @@ std::string remedy_words(const CaseFile& file) {
   if (r.status == RemedyStatus::out_of_reach)
     return fmt::format(
         "No stiffness of the guide sleeves reaches {}: rigid guide sleeves give {} and a drop of "
-        "{} (pose {}, {}).{}",
-        goal, frequency_text(r.limit.omega), share_text(r.limit.drop), r.pose,
-        direction_words(r.direction), bending_words(r));
+        "{} of a resonance with {} (pose {}, {}).{}",
+        goal, frequency_text(r.limit.omega), share_text(r.limit.drop),
+        weight_text(r.limit.mac, 1.0 - r.limit.drop, 1.0), r.pose, direction_words(r.direction),
+        bending_words(r));
   constexpr double far = 0.01;
   if (r.status == RemedyStatus::met_already) {
     const bool softer = r.needed.factor < far;

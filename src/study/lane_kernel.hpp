@@ -43,8 +43,10 @@ void designs_of_lanes(const LaneTask& task) {
   out.least = least_of<V, flexible>(model.modes);
   out.repeated = repeated<V, flexible>(model.modes, options.repeated_tolerance);
   out.repeated_rigid = repeated<V, 0>(model.rigid, options.repeated_tolerance);
-  resonances<V, flexible>(model.modes, options.resonance_share, out.resonance);
-  resonances<V, 0>(model.rigid, options.resonance_share, out.resonance_rigid);
+  V all_rigid[6];
+  resonances<V, flexible>(model.modes, options.resonance_share, out.resonance, out.own, out.all);
+  resonances<V, 0>(model.rigid, options.resonance_share, out.resonance_rigid, out.own_rigid,
+                   all_rigid);
   lowest_mode<V, flexible>(machine, model.modes, momentum, model.rigid, options.local_mode_energy,
                            out);
   V mac[modes_of(flexible)][modes_of(flexible)];

@@ -43,10 +43,12 @@ struct MachineNumbers {
 /// What a row of a study says of the modes.
 template <class T>
 struct OutputNumbers {
-  T lowest;     ///< ω² of the lowest mode with platform motion
-  T direction;  ///< its main one, 0 … 5
-  T counterpart;
+  T lowest;                          ///< ω² of the lowest mode with platform motion
+  T direction;                       ///< its main one, 0 … 5
+  T counterpart, counterpart_share;  ///< ω² of the rigid mode most like it, (ψᵀ M_r φ)²
   T resonance[platform_rows], resonance_rigid[platform_rows];  ///< ω²; NaN: there is none
+  T own[platform_rows], own_rigid[platform_rows];              ///< their φ_d²
+  T all[platform_rows];                                        ///< Σ φ_d² of all modes
   T followed[most_followed];                                   ///< ω²
   T mac;                                                       ///< the least of those
   T least;                                                     ///< ω² of the lowest mode

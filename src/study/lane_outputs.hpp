@@ -17,18 +17,22 @@ HYDRAPOD_INLINE V or_nothing(const V& omega2) {
   return select(omega2 < no_mode, omega2, V{} / V{});
 }
 
-/// ω² of the first resonances per direction.
+/// ω² of the first resonances per direction, their φ_d², and Σ φ_d² of all modes.
 template <class V, int flexible>
-HYDRAPOD_INLINE void resonances(const ModeNumbers<V, flexible>& modes, double share, V (&out)[6]) {
+HYDRAPOD_INLINE void resonances(const ModeNumbers<V, flexible>& modes, double share, V (&out)[6],
+                                V (&of_first)[6], V (&of_all)[6]) {
   for (int d = 0; d < 6; ++d) {
-    V all{}, least = V{} + no_mode;
+    V all{}, least = V{} + no_mode, of_least{};
     for (const auto& phi : modes.shapes) all += phi[d] * phi[d];
     for (int k = 0; k < modes_of(flexible); ++k) {
       const V own = modes.shapes[k][d] * modes.shapes[k][d];
       const auto first = ~(own < share * all) & (modes.omega2[k] < least);
       least = select(first, modes.omega2[k], least);
+      of_least = select(first, own, of_least);
     }
     out[d] = or_nothing(least);
+    of_first[d] = of_least;
+    of_all[d] = all;
   }
 }
 
@@ -80,6 +84,7 @@ HYDRAPOD_INLINE void lowest_mode(const MachineNumbers<V>& machine,
     alike = select(better, size_of(common), alike);
     out.counterpart = select(better, rigid.omega2[k], k == 0 ? rigid.omega2[0] : out.counterpart);
   }
+  out.counterpart_share = alike * alike;
 }
 
 /// MAC of the followed modes, a row each, with the modes.

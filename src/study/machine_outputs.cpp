@@ -41,12 +41,12 @@ int first_resonance(const NormalModes& modes, int d, double share) {
   return -1;
 }
 
-/// The rigid mode that holds most of a flexible mode's momentum.
-int rigid_counterpart(const ModelVector& momentum, const NormalModes& rigid) {
+/// The rigid mode that holds most of a flexible mode's momentum, and (ψᵀ M_r φ)².
+std::pair<int, double> rigid_counterpart(const ModelVector& momentum, const NormalModes& rigid) {
   int best = 0;
   const ModelVector common = rigid.shapes.transpose() * momentum;
   common.cwiseAbs().maxCoeff(&best);
-  return best;
+  return {best, common[best] * common[best]};
 }
 
 /// Pairs (nominal, mode) in falling order of MAC, one to one. φ_n is normalised in the nominal mass
@@ -123,12 +123,24 @@ std::vector<Column> columns_of(const Kept& kept) {
        "0 computed, 1 number not allowed, 2 pose out of reach, 3 no equilibrium, 4 buckled"},
       {"lowest", "Hz", of + "lowest mode with platform motion"},
       {"direction", "1", "its main direction, 1 … 6 for x … rz"},
-      {"drop", "1", "its frequency against that of its counterpart with rigid legs, share lost"}};
+      {"drop", "1", "its frequency against that of its counterpart with rigid legs, share lost"},
+      {"share", "1", "part of that counterpart which is in it (MAC)"},
+      {"peak", "1", "its peak over that of the counterpart, at equal damping ratios"}};
   for (const char* name : spatial::direction_names)
     columns.push_back({name, "Hz", fmt::format("{}first resonance in {}", of, name)});
   for (const char* name : spatial::direction_names)
     columns.push_back({fmt::format("drop_{}", name), "1",
                        fmt::format("first resonance in {} against rigid legs, share lost", name)});
+  for (const char* name : spatial::direction_names)
+    columns.push_back(
+        {fmt::format("share_{}", name), "1",
+         fmt::format("part of the motion in {0} that its first resonance holds", name)});
+  for (const char* name : spatial::direction_names)
+    columns.push_back(
+        {fmt::format("peak_{}", name), "1",
+         fmt::format("peak of the first resonance in {} over that with rigid legs, at "
+                     "equal damping ratios",
+                     name)});
   columns.push_back({"condition", "1", "condition of the Jacobian"});
   columns.push_back({"stroke", "m", "least stroke left of any leg"});
   columns.push_back({"mac", "1", "least MAC of the followed modes with the nominal ones"});
@@ -147,10 +159,11 @@ std::optional<std::string> why_no_column(const model::Machine& machine, ModelKin
   const bool rigid = kind == ModelKind::rigid;
   const bool struts = model::leg_type(machine) == model::LegType::strut;
   const auto has_stroke = [](const model::Leg& leg) { return leg.stroke.has_value(); };
-  constexpr std::string_view of_direction = "drop_";
-  const bool drop =
-      name == "drop" || (name.starts_with(of_direction) &&
-                         spatial::direction_from_name(name.substr(of_direction.size())));
+  const auto of_direction = [&](std::string_view start) {
+    return name.starts_with(start) && spatial::direction_from_name(name.substr(start.size()));
+  };
+  const bool drop = name == "drop" || name == "share" || name == "peak" || of_direction("drop_") ||
+                    of_direction("peak_");
   if (drop && rigid && struts)
     return "compares flexible legs with rigid ones, and plain struts have no guide sleeves";
   if (drop && rigid)
@@ -188,10 +201,15 @@ void outputs_of(const Kept& kept, const LinearModel& flexible, const NormalModes
     outputs[Layout::lowest] = hertz(found.lowest);
     outputs[Layout::direction] = found.direction + 1;
     outputs[Layout::drop] = found.drop;
+    outputs[Layout::share] = found.share;
+    outputs[Layout::peak] = found.peak;
   }
-  for (int d = 0; d < platform_rows; ++d) {
-    outputs[static_cast<std::size_t>(Layout::resonance + d)] = hertz(found.first[d]);
-    outputs[static_cast<std::size_t>(Layout::resonance_drop + d)] = found.drops[d];
+  for (std::size_t d = 0; d < platform_rows; ++d) {
+    const auto k = static_cast<Eigen::Index>(d);
+    outputs[Layout::resonance + d] = hertz(found.first[k]);
+    outputs[Layout::resonance_drop + d] = found.drops[k];
+    outputs[Layout::resonance_share + d] = found.shares[k];
+    outputs[Layout::resonance_peak + d] = found.peaks[k];
   }
   const auto followed = follow(kept.nominal, flexible, modes);
   outputs[Layout::mac] = followed.least_mac;
@@ -201,10 +219,13 @@ void outputs_of(const Kept& kept, const LinearModel& flexible, const NormalModes
 
 void take_rigid(const Kept& kept, const NormalModes& rigid, OutputNumbers<double>& found) {
   const ModelVector momentum = Eigen::Map<const spatial::Vector6>(found.momentum);
-  found.counterpart = rigid.omega2[rigid_counterpart(momentum, rigid)];
+  const auto [counterpart, share] = rigid_counterpart(momentum, rigid);
+  found.counterpart = rigid.omega2[counterpart];
+  found.counterpart_share = share;
   for (int d = 0; d < platform_rows; ++d) {
     const int k = first_resonance(rigid, d, kept.options.resonance_share);
     found.resonance_rigid[d] = k < 0 ? missing : rigid.omega2[k];
+    found.own_rigid[d] = k < 0 ? missing : std::pow(rigid.shapes(d, k), 2);
   }
 }
 
@@ -216,11 +237,16 @@ void outputs_of(const Kept& kept, const OutputNumbers<double>& found, std::span<
     outputs[Layout::lowest] = frequency(found.lowest);
     outputs[Layout::direction] = found.direction + 1.0;
     outputs[Layout::drop] = lost(found.lowest, found.counterpart);
+    outputs[Layout::share] = found.counterpart_share;
+    outputs[Layout::peak] = found.counterpart_share * found.counterpart / found.lowest;
   }
   for (std::size_t d = 0; d < platform_rows; ++d) {
     if (std::isnan(found.resonance[d]) || std::isnan(found.resonance_rigid[d])) continue;
     outputs[Layout::resonance + d] = frequency(found.resonance[d]);
     outputs[Layout::resonance_drop + d] = lost(found.resonance[d], found.resonance_rigid[d]);
+    outputs[Layout::resonance_share + d] = found.own[d] / found.all[d];
+    outputs[Layout::resonance_peak + d] =
+        found.own[d] * found.resonance_rigid[d] / (found.own_rigid[d] * found.resonance[d]);
   }
   outputs[Layout::mac] = found.mac;
   for (std::size_t k = 0; k < kept.nominal.followed.size(); ++k)

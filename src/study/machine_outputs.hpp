@@ -42,8 +42,9 @@ struct Kept {
 Nominal nominal_of(const model::Machine& machine, const MachineOptions& options);
 
 struct Layout {
-  static constexpr int status = 0, lowest = 1, direction = 2, drop = 3, resonance = 4,
-                       resonance_drop = 10, condition = 16, stroke = 17, mac = 18, modes = 19;
+  static constexpr int status = 0, lowest = 1, direction = 2, drop = 3, share = 4, peak = 5,
+                       resonance = 6, resonance_drop = 12, resonance_share = 18,
+                       resonance_peak = 24, condition = 30, stroke = 31, mac = 32, modes = 33;
 };
 
 std::vector<Column> columns_of(const Kept& kept);

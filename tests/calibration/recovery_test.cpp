@@ -203,7 +203,8 @@ TEST(Recovery, OfLeakageByDampingRatios) {
   EXPECT_NEAR(best.parameters[0].value, 6.3e-12, 1e-17);
   EXPECT_EQ(best.parameters[0].verdict, Verdict::determined);
 
-  const auto viscous = test::machine_file(text, {"legs.leakage.internal=1.7e-12"});
+  const auto viscous =
+      test::machine_file(text, {"damping.oil=viscous", "legs.leakage.internal=1.7e-12"});
   EXPECT_THROW(
       fit(viscous, targets, test::free_paths({"legs.leakage.internal"}), ModelKind::rigid, 1),
       base::InputError);

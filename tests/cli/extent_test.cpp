@@ -92,7 +92,7 @@ TEST(Brief, OneCauseIsOneLineHoweverManyPosesThereAre) {
                                                     HasSubstr("cannot hold the load at all 44")));
   // the worst pose is named: 840 N/mm carry least with the rods far out
   EXPECT_THAT(run_hydrapod({"check", heavy, "--brief"}).out,
-              HasSubstr("buckle with 2690 kg more on the platform (1.19 times its mass) (pose "
+              HasSubstr("buckle with 2690 kg more on the platform (in all 1.19 times its mass) (pose "
                         "neutral; also surge)\n"));
 }
 

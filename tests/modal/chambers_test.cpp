@@ -124,6 +124,42 @@ TEST(ClosedChambers, AreAnUndampedOilSpring) {
   }
 }
 
+/// Whoever states what leaks means it: no key has to be found for that. A viscous damper of the
+/// oil, or the word of the file, comes first.
+TEST(OilDamping, IsThatOfChambersWhereLeakageOrAValveIsStated) {
+  const auto plain = symmetric_machine();
+  EXPECT_FALSE(model::has_chambers(plain));
+  const auto with = [&](auto change) {
+    auto machine = plain;
+    change(machine.legs[3].hydraulics);
+    return machine;
+  };
+  using Hydraulics = model::LegHydraulics;
+  EXPECT_FALSE(model::has_chambers(with([](Hydraulics& of) { of.leakage.internal = 0.0; })));
+  EXPECT_FALSE(model::has_chambers(with([](Hydraulics& of) { of.valve.leakage = 0.0; })));
+  EXPECT_FALSE(model::has_chambers(with([](Hydraulics& of) { of.friction.viscous = 370.0; })));
+  for (const auto& machine : {with([](Hydraulics& of) { of.leakage.internal = 2.9e-12; }),
+                              with([](Hydraulics& of) { of.leakage.external = 1.7e-13; }),
+                              with([](Hydraulics& of) { of.valve.rated_flow = 7.1e-4; }),
+                              with([](Hydraulics& of) { of.valve.leakage = 1.3e-5; })}) {
+    EXPECT_TRUE(model::has_chambers(machine));
+    auto stated = machine;
+    stated.damping.oil = model::OilDamping::chambers;
+    for (const auto kind : {ModelKind::rigid, ModelKind::full}) {
+      const auto modes = modes_of(dynamics::linear_model(machine, machine.neutral(), kind));
+      const auto same = modes_of(dynamics::linear_model(stated, machine.neutral(), kind));
+      for (size_t k = 0; k < modes.size(); ++k) EXPECT_EQ(modes[k].pole, same[k].pole);
+      EXPECT_LT(modes[0].pole.real(), 0.0);
+    }
+    auto viscous = machine;
+    viscous.damping.oil = model::OilDamping::viscous;
+    EXPECT_FALSE(model::has_chambers(viscous));
+    auto damper = machine;
+    damper.legs[0].oil_spring.damping = 113.0;
+    EXPECT_FALSE(model::has_chambers(damper));
+  }
+}
+
 /// 2 % of critical for the seals where nothing is stated, none for the platform's modes.
 TEST(Chambers, LeaveTheModalRatioToTheSeals) {
   auto machine = symmetric_machine();

@@ -25,12 +25,18 @@ struct Dense {
     shapes = solver.eigenvectors();
     omega = solver.eigenvalues().cwiseSqrt();
   }
-  /// Lowest frequency with `share` of (M⁻¹)_dd in its residue.
-  [[nodiscard]] double first(int d, double share) const {
-    const double all = MatrixXd(M.inverse())(d, d);
+  /// (M⁻¹)_dd.
+  [[nodiscard]] double all(int d) const { return MatrixXd(M.inverse())(d, d); }
+  [[nodiscard]] double residue(int d, Eigen::Index k) const { return shapes(d, k) * shapes(d, k); }
+  /// Lowest mode with `share` of (M⁻¹)_dd in its residue.
+  [[nodiscard]] Eigen::Index first(int d, double share) const {
     for (Eigen::Index k = 0; k < omega.size(); ++k)
-      if (shapes(d, k) * shapes(d, k) >= share * all) return omega[k];
-    return -1.0;
+      if (residue(d, k) >= share * all(d)) return k;
+    return -1;
+  }
+  /// |direct receptance| at ω_k of a mode with the damping ratio ζ, the mode alone.
+  [[nodiscard]] double peak(int d, Eigen::Index k, double zeta) const {
+    return residue(d, k) / (2.0 * zeta * omega[k] * omega[k]);
   }
 };
 
@@ -49,13 +55,17 @@ TEST_P(Resonances, AreThoseOfTheirDefinitions) {
                                          modal::normal_modes(rigid), share);
     const Dense all(flexible), stiff(rigid);
     for (int d = 0; d < 6; ++d) {
-      const double first = all.first(d, share), of_rigid = stiff.first(d, share);
-      if (first < 0.0 || of_rigid < 0.0) {  // no mode holds so much of it
-        EXPECT_TRUE(std::isnan(found.first[d]) && std::isnan(found.drops[d])) << n << ' ' << d;
+      const auto k = all.first(d, share), r = stiff.first(d, share);
+      if (k < 0 || r < 0) {  // no mode holds so much of it
+        for (const auto* none : {&found.first, &found.drops, &found.shares, &found.peaks})
+          EXPECT_TRUE(std::isnan((*none)[d])) << n << ' ' << d;
         continue;
       }
+      const double first = all.omega[k], peak = all.peak(d, k, 0.017) / stiff.peak(d, r, 0.017);
       EXPECT_NEAR(found.first[d], first, 1e-9 * first) << n << ' ' << d;
-      EXPECT_NEAR(found.drops[d], 1.0 - first / of_rigid, 1e-9) << n << ' ' << d;
+      EXPECT_NEAR(found.drops[d], 1.0 - first / stiff.omega[r], 1e-9) << n << ' ' << d;
+      EXPECT_NEAR(found.shares[d], all.residue(d, k) / all.all(d), 1e-9) << n << ' ' << d;
+      EXPECT_NEAR(found.peaks[d], peak, 1e-8 * peak) << n << ' ' << d;
     }
     // the lowest mode of a random machine moves the platform
     EXPECT_NEAR(found.lowest, all.omega[0], 1e-9 * found.lowest);
@@ -67,6 +77,9 @@ TEST_P(Resonances, AreThoseOfTheirDefinitions) {
     Eigen::Index like = 0;
     (stiff.shapes.transpose() * momentum).cwiseAbs().maxCoeff(&like);
     EXPECT_NEAR(found.drop, 1.0 - all.omega[0] / stiff.omega[like], 1e-9);
+    const double mac = std::pow(stiff.shapes.col(like).dot(momentum), 2);
+    EXPECT_NEAR(found.share, mac, 1e-9);
+    EXPECT_NEAR(found.peak, mac * std::pow(stiff.omega[like] / all.omega[0], 2), 1e-8 * found.peak);
   }
 }
 

@@ -330,14 +330,13 @@ TEST(NumbersInJson, OfAttributionAndRemedy) {
                        .stiffness = first + 0.2,
                        .omega = two_pi * (first + 0.3),
                        .drop = first + 0.4,
+                       .mac = first + 0.45,
                        .softest = first + 0.15};
   };
   const auto point_json = [](double first) {
-    return Json{{"factor", first + 0.1},
-                {"stiffness_N_m", first + 0.2},
-                {"frequency_hz", first + 0.3},
-                {"drop", first + 0.4},
-                {"softest_N_m", first + 0.15}};
+    return Json{{"factor", first + 0.1},       {"stiffness_N_m", first + 0.2},
+                {"frequency_hz", first + 0.3}, {"drop", first + 0.4},
+                {"mac", first + 0.45},         {"softest_N_m", first + 0.15}};
   };
   remedy.today = point(1.0);
   remedy.needed = point(2.0);
@@ -347,7 +346,9 @@ TEST(NumbersInJson, OfAttributionAndRemedy) {
                      .direction = "x",
                      .omega_rigid = two_pi * 6.1,
                      .omega_today = two_pi * 6.2,
-                     .omega_needed = two_pi * 6.3}};
+                     .omega_needed = two_pi * 6.3,
+                     .mac_today = 0.61,
+                     .mac_needed = 0.62}};
   file.remedy = remedy;
   expect_numbers(
       report::diagnosis_json(file),
@@ -367,8 +368,11 @@ TEST(NumbersInJson, OfAttributionAndRemedy) {
          {"required", point_json(2.0)},
          {"rigid_sleeves", point_json(3.0)},
          {"curve", {point_json(4.0), point_json(5.0)}},
-         {"changes",
-          Json::array({{{"rigid_hz", 6.1}, {"present_hz", 6.2}, {"required_hz", 6.3}}})}}}});
+         {"changes", Json::array({{{"rigid_hz", 6.1},
+                                   {"present_hz", 6.2},
+                                   {"required_hz", 6.3},
+                                   {"present_mac", 0.61},
+                                   {"required_mac", 0.62}}})}}}});
 }
 
 }  // namespace

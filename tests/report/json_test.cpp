@@ -37,16 +37,17 @@ TEST(DampingText, SaysWhatDampsAndWhatIsAssumed) {
 /// Numbers of the hydraulics that the linear models leave out are named, whatever damps.
 TEST(DampingText, SaysWhatOfTheHydraulicsIsNotUsed) {
   auto machine = symmetric_machine();
-  machine.damping.modal_ratio = 0.0;
+  machine.damping = {.modal_ratio = 0.0, .oil = model::OilDamping::viscous};
   machine.legs[2].hydraulics.valve.rated_flow = 3.1e-4;
   EXPECT_EQ(report::damping_text(machine),
             "none; the flow of the valves in the file is not used here (damping.oil = \"chambers\" "
             "uses it)");
   machine.legs[5].hydraulics.leakage.internal = 2.3e-12;
   machine.damping.modal_ratio = 0.01;
-  EXPECT_EQ(report::damping_text(machine),
-            "1 % of critical in every mode; the leakage in the file is not used here (damping.oil = "
-            "\"chambers\" uses it)");
+  EXPECT_EQ(
+      report::damping_text(machine),
+      "1 % of critical in every mode; the leakage in the file is not used here (damping.oil = "
+      "\"chambers\" uses it)");
 }
 
 TEST(DampingText, DoesNotTakeElastomersForViscousDampers) {

@@ -94,7 +94,8 @@ export function rowsOf(command) {
 }
 
 /** What the core of the page has of a row of such a study, in its order (web/core/core.hpp). */
-const columns = ['status', 'lowest', 'direction', 'drop', 'x', 'y', 'z', 'rx', 'ry', 'rz', 'drop_x', 'drop_y', 'drop_z', 'drop_rx', 'drop_ry', 'drop_rz', 'stroke'];
+const columns = ['status', 'lowest', 'direction', 'drop', 'x', 'y', 'z', 'rx', 'ry', 'rz', 'drop_x', 'drop_y', 'drop_z', 'drop_rx', 'drop_ry', 'drop_rz', 'stroke',
+  'share', 'peak', 'share_x', 'share_y', 'share_z', 'share_rx', 'share_ry', 'share_rz', 'peak_x', 'peak_y', 'peak_z', 'peak_rx', 'peak_ry', 'peak_rz'];
 
 /**
  * A machine that does not stand: rounding decides whether Newton finds no equilibrium (3) or one that is

@@ -47,6 +47,21 @@ test('the map has the numbers of its command, out of reach alike', async () => {
   });
 });
 
+test('a drop is said together with what the mode holds of the motion and how high its peak is', async () => {
+  await withPage(report(published), still, async (page) => {
+    const { command } = await mapped(page);
+    const row = rowsOf(command).find((one) => one['pose.x'] === 0 && one['pose.z'] === 0);
+    const drop = (of, motion) =>
+      `, drop by the seals ${(100 * row[`drop${of}`]).toFixed(2)} % (${(100 * row[`share${of}`]).toFixed(0)} % of the motion${motion}, peak ${Number(row[`peak${of}`].toPrecision(2))} times that with rigid legs)`;
+    const words = page.locator('.workspace-words');
+    assert.ok((await words.innerText()).includes(drop('', ' with rigid legs')), await words.innerText());
+    await page.locator('[data-control="map-value"]').selectOption({ label: 'Drop of the first resonance in x' });
+    const first = `; first resonance in x ${row.x.toFixed(3)} Hz${drop('_x', ' in x')}`;
+    await page.waitForFunction((text) => document.querySelector('.workspace-words').innerText.includes(text), first);
+    assert.ok(row.drop_x > 0.3 && row.share_x < 0.2, `${row.drop_x} ${row.share_x}`); // the paper's third
+  });
+});
+
 test('of another slice, with changed values', async () => {
   await withPage(report(heavy, '--model', 'rigid'), still, async (page) => {
     await page.evaluate(async () => {

@@ -315,9 +315,13 @@ MapStatus resonances_at(const model::Machine& machine, const spatial::Pose& X_BP
     row[1] = found.lowest / base::two_pi;
     row[2] = found.direction + 1;
     row[3] = found.drop;
+    row[17] = found.share;
+    row[18] = found.peak;
     for (int d = 0; d < 6; ++d) {
       row[4 + d] = found.first[d] / base::two_pi;
       row[10 + d] = found.drops[d];
+      row[19 + d] = found.shares[d];
+      row[25 + d] = found.peaks[d];
     }
   } catch (const base::ComputationError&) {
     return MapStatus::no_equilibrium;

@@ -63,7 +63,7 @@ class Core {
   /// drops, stroke left [m]: map_columns numbers each, NaN where there are none, as `hydrapod map`.
   [[nodiscard]] std::vector<double> map(const Json& request,
                                         const std::vector<double>& displacements) const;
-  static constexpr int map_columns = 17;
+  static constexpr int map_columns = 31;
 
   /// `{ "set", "pose" or "displaced", "vary": [[path, deviation as a share, per leg], …], "seed",
   /// "from", "count" }`: rows of map() of the samples `from` … of `hydrapod montecarlo` with normal

@@ -387,6 +387,7 @@ struct RemedyPoint {
   double stiffness{};  ///< of the stiffest leg's sleeve [N/m]
   double omega{};      ///< lowest first resonance over poses and directions asked for [rad/s]
   double drop{};       ///< largest drop
+  double mac{};        ///< FirstResonance::mac of the resonance with that drop
   std::optional<double> softest{};  ///< as `stiffness`, of the softest leg where legs differ [N/m]
 };
 
@@ -407,6 +408,7 @@ enum class RemedyStatus {
 struct Change {
   std::string pose{}, direction{};                      ///< no direction: every one
   double omega_rigid{}, omega_today{}, omega_needed{};  ///< [rad/s]; 0 where the legs fold
+  double mac_today{}, mac_needed{};                     ///< FirstResonance::mac
 };
 
 struct Remedy {

@@ -26,10 +26,10 @@
 ///
 /// Elastic energy is split into oil springs (gimbals in series with them included), guide sleeves,
 /// piston rings and the bending of rod and case, per leg, the base's mount and the payload's modes;
-/// these sum to 1. What gravity and preload give back or take (second order: curvature, weights, bent
-/// legs under compression) is no elastic energy; `preload` states it as a multiple of the elastic
-/// energy: −0.6 means that preload takes away 60 % of the stiffness that the springs give the mode,
-/// −1 that the legs buckle.
+/// these sum to 1. What gravity and preload give back or take (second order: curvature, weights,
+/// bent legs under compression) is no elastic energy; `preload` states it as a multiple of the
+/// elastic energy: −0.6 means that preload takes away 60 % of the stiffness that the springs give
+/// the mode, −1 that the legs buckle.
 
 #include <vector>
 
@@ -86,9 +86,15 @@ inline constexpr double resonance_share = 0.05;
 struct Resonances {
   double lowest{};  ///< of the modes with platform motion
   int direction{};  ///< in which it moves most, 0 … 5 for x … rz
-  double drop{};    ///< 1 − ω/ω_r, ω_r being the rigid mode that holds most of its momentum
-  Vector6 first{};  ///< per direction the first that resonates there
-  Vector6 drops{};  ///< of those, against the first one with rigid legs
+  double drop{};    ///< 1 − ω/ω_r, ω_r being the rigid mode ψ that holds most of its momentum
+  double share{};   ///< (ψᵀ M_r φ)² of that rigid mode: 1 where nothing else moves like it
+  double peak{};  ///< share (ω_r/ω)²: height of its peak over that of ψ, at equal damping ratios
+  Vector6 first{};   ///< per direction the first that resonates there
+  Vector6 drops{};   ///< of those, against the first one with rigid legs
+  Vector6 shares{};  ///< φ_d² over (M⁻¹)_dd: what part of the direction's motion is in them
+  /// φ_d²/ω² over that of the first one with rigid legs: height of the peaks of the direct
+  /// receptance at equal damping ratios.
+  Vector6 peaks{};
 };
 
 /// `rigid`: modes of the rigid model at the same pose.

@@ -86,7 +86,9 @@ export interface MeasuredShape {
 }
 
 /** Columns of a map (web/core/core.hpp). */
-export const map = { columns: 17, status: 0, lowest: 1, direction: 2, drop: 3, first: 4, drops: 10, stroke: 16 };
+export const map = {
+  columns: 31, status: 0, lowest: 1, direction: 2, drop: 3, first: 4, drops: 10, stroke: 16, share: 17, peak: 18, shares: 19, peaks: 25,
+};
 
 /** What the status of a row says, as in study::Status. */
 export const mapStatus = ['computed', 'not allowed', 'out of reach', 'no equilibrium', 'buckled'];

@@ -6,6 +6,7 @@ import { assignments, shellCommand } from '../core/edits';
 import { beginWhenSeen, failureText, idle, sharedCore } from '../core/shared';
 import { directions, type Editable } from '../document';
 import { button, html, identifier, showCommand, slider, type Slider } from '../dom';
+import { fixed, significant } from '../numbers';
 import type { State } from '../state';
 import { displacementOf } from '../workspace/displacement';
 import { Field, finest, type Range } from '../workspace/field';
@@ -194,9 +195,17 @@ class Workspace {
       if (place !== poseText(this.displaced)) return;
       const status = row[map.status] as number;
       const value = (name: string) => quantities.find(({ column }) => column === name)!.of(row);
+      // a drop says little without what the mode holds of the motion and how high its peak is
+      const drop = (of: string, motion: string) => Number.isFinite(value(`drop${of}`))
+        ? `, drop by the seals ${fixed(value(`drop${of}`), 2)} % (${fixed(value(`share${of}`), 0)} % of the motion${motion}, peak ${significant(value(`peak${of}`), 2)} times that with rigid legs)`
+        : '';
+      const d = /_?(r?[xyz])$/.exec(this.quantity.column)?.[1];
+      const first = d === undefined || !Number.isFinite(value(d))
+        ? ''
+        : `; first resonance in ${d} ${value(d).toFixed(3)} Hz${drop(`_${d}`, ` in ${d}`)}`;
       const text = status !== 0
         ? `: ${mapStatus[status]}.`
-        : `: lowest mode ${value('lowest').toFixed(3)} Hz (${(this.state.report.editable as Editable).frequencies}) in ${directions[(row[map.direction] as number) - 1]}, drop by the seals ${value('drop').toFixed(2)} %${Number.isFinite(value('stroke')) ? `, stroke left ${value('stroke').toFixed(1)} mm` : ''}.`;
+        : `: lowest mode ${value('lowest').toFixed(3)} Hz (${(this.state.report.editable as Editable).frequencies}) in ${directions[(row[map.direction] as number) - 1]}${drop('', ' with rigid legs')}${first}${Number.isFinite(value('stroke')) ? `, stroke left ${value('stroke').toFixed(1)} mm` : ''}.`;
       this.words.replaceChildren(this.words.firstChild as Node, text);
     });
   }
@@ -252,6 +261,7 @@ class Workspace {
     const value = chooser('Value shown', quantities.map((one) => nameOf(one, this.state.report.editable as Editable)), 0, (k) => {
       this.quantity = quantities[k]!;
       this.show();
+      this.showWords();
       void this.showCommand();
     }, 'map-value');
     return html('div', { class: 'row fields-row workspace-choosers' }, value.element, across.element, up.element);

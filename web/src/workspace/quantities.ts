@@ -25,6 +25,10 @@ export const quantities: Quantity[] = [
   ...directions.map((d, k) => column(`First resonance in ${d}`, d, map.first + k, 'Hz')),
   column('Drop of the lowest mode by the seals', 'drop', map.drop, '%', 100),
   ...directions.map((d, k) => column(`Drop of the first resonance in ${d}`, `drop_${d}`, map.drops + k, '%', 100)),
+  column('Share of the lowest mode', 'share', map.share, '%', 100),
+  ...directions.map((d, k) => column(`Share of the first resonance in ${d}`, `share_${d}`, map.shares + k, '%', 100)),
+  column('Peak of the lowest mode relative to rigid legs', 'peak', map.peak, ''),
+  ...directions.map((d, k) => column(`Peak of the first resonance in ${d} relative to rigid legs`, `peak_${d}`, map.peaks + k, '')),
   column('Stroke left', 'stroke', map.stroke, 'mm', 1e3),
 ];
 
