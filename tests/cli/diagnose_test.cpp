@@ -83,7 +83,7 @@ TEST_F(DiagnoseCommand, CallsNominalWhatTheFileStates) {
   const auto found = run_hydrapod(command({"--measured", modes()}));
   ASSERT_EQ(found.exit_code, 0) << found.err;
   EXPECT_THAT(found.out, HasSubstr("First resonances of the fitted machine"));
-  EXPECT_THAT(found.out, HasSubstr("rigid Hz  fitted Hz  required Hz"));
+  EXPECT_THAT(found.out, HasSubstr("rigid Hz  fitted Hz  share  required Hz   drop  share  peak"));
   EXPECT_THAT(found.out, HasSubstr("for the fitted machine (undamped modes): the "));
   EXPECT_THAT(found.out, testing::Not(HasSubstr("The nominal stiffness")));
   // rigid legs explain the modes of sleeves like steel: nothing is fitted, and the file's stay
