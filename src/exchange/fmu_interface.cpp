@@ -272,8 +272,10 @@ std::string state_description(const simulation::StateLayout& layout, int k, bool
   if (layout.bristles >= 0 && k >= layout.bristles) of = "bend of the seal's bristles";
   for (const int first : layout.lines)
     if (first >= 0 && k >= first && k < first + layout.line_states)
-      of = k < first + layout.line_states / 2 ? "pressure in a line, absolute, from the valve on"
-                                              : "flow in a line towards the chamber";
+      of = k < first + layout.line_states / 2
+               ? "pressure in a line, absolute, from the valve on, or of a mode of it"
+               : "flow in a line towards the chamber, or of a mode of it";
+  if (layout.joints >= 0 && k >= layout.joints) of = "bend of the bristles in a joint";
   if (layout.base >= 0 && k >= layout.base) of = "motion of the base against the ground";
   if (layout.arms >= 0 && k >= layout.arms) of = "way of a damper in an elastomer seal";
   for (const auto& softening : {layout.sleeve_softening, layout.ring_softening})

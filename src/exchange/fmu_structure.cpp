@@ -34,6 +34,12 @@ struct Seal {
   }
 };
 
+/// Do the joints of leg `i` have bristles?
+bool sticks(const Plant& plant, int i) {
+  const auto& joints = plant.machine().legs[static_cast<std::size_t>(i)].hydraulics.joint_friction;
+  return plant.layout().joints >= 0 && joints.coulomb > 0.0 && joints.bristle_stiffness;
+}
+
 /// Knowns of an unknown, as they are collected.
 class Knowns {
  public:
@@ -107,6 +113,7 @@ class Knowns {
     if ((parts & part::spool_rate) != 0 && oil) state(layout_.spool(i) + 1);
     if ((parts & part::bristle) != 0 && plant_.axis(i).friction.has_bristles() && oil)
       state(layout_.bristles + i);
+    if ((parts & part::joints) != 0 && sticks(plant_, i)) states(layout_.joint(i, false), 4);
     if ((parts & part::arms) != 0)
       for (const bool sleeve : {true, false}) {
         const Seal seal(layout_, i, sleeve);
@@ -223,6 +230,14 @@ void of_derivative(int k, const Plant& plant, Knowns& knowns) {
     const int leg = k - layout.bristles;
     if (plant.axis(leg).friction.has_bristles())
       knowns.parts(fmu_speed_parts() | part::bristle, leg);
+    return;
+  }
+  if (layout.joints >= 0 && k >= layout.joints && k < layout.joints + 4 * leg_count) {
+    const int at = k - layout.joints;
+    if (sticks(plant, at / 4)) {
+      knowns.states(k - at % 2, 2);
+      knowns.parts(fmu_speed_parts(), at / 4);
+    }
     return;
   }
   for (int chamber = 0; chamber < 2 * leg_count; ++chamber) {

@@ -30,12 +30,12 @@ void require_stroke(int i, double s, const hydraulics::Stops& stops) {
       i + 1, s, stops.low, stops.high));
 }
 
-void require_rest(int i, const hydraulics::HydraulicRest& rest, double force, double pressure) {
+void require_rest(int i, const hydraulics::HydraulicRest& rest, double force, double supply) {
   if (rest.found) return;
   throw base::ComputationError(fmt::format(
       "leg {}: a supply of {:.4g} MPa cannot hold the static force of {:.4g} N at this pose; "
       "expected a higher `supply.pressure` or a larger cylinder",
-      i + 1, 1e-6 * pressure, force));
+      i + 1, 1e-6 * supply, force));
 }
 
 }  // namespace

@@ -62,6 +62,7 @@ TEST(HydraulicsFile, TheLegsTablesAreReadInTheirUnits) {
   EXPECT_EQ(leg.joint_friction.viscous, 2.0);
   EXPECT_EQ(leg.joint_friction.coulomb, 3.0);
   EXPECT_EQ(leg.joint_friction.smoothing_rate, 0.02);
+  EXPECT_EQ(leg.joint_friction.bristle_damping, 0.0);
   EXPECT_EQ(leg.end_stops.stiffness, 1e8);
   EXPECT_EQ(leg.end_stops.damping, 0.25);
   EXPECT_EQ(leg.equivalent_cylinder.area_ratio, 0.6);
