@@ -23,10 +23,11 @@ bool concerns(std::string_view path, const FmuMachine& fmu) {
   const auto begins = [&](const char* front) { return path.starts_with(front); };
   if (std::ranges::any_of(never, begins)) return false;
   if (path.starts_with("controller.")) return fmu.controlled;
-  // The number of segments says which states there are.
+  // The number of segments or modes says which states there are.
   const bool oil = fmu.hydraulics && !fmu.drives();
-  const bool waves = oil && fmu.machine.hydraulics.lines.segments > 0.0;
-  if (path.starts_with("lines.")) return waves && path != "lines.segments";
+  const auto& lines = fmu.machine.hydraulics.lines;
+  const bool waves = oil && (lines.segments > 0.0 || lines.modes > 0.0);
+  if (path.starts_with("lines.")) return waves && path == "lines.viscosity";
   return oil || !std::ranges::any_of(of_oil, begins);
 }
 

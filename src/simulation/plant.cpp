@@ -64,7 +64,8 @@ model::Machine with_friction(model::Machine machine, Friction friction) {
 
 /// Oil that moves by itself is no inertia of the legs.
 model::Machine with_lines(const model::Machine& machine, const PlantOptions& options) {
-  const bool waves = options.hydraulics && machine.hydraulics.lines.segments > 0.0;
+  const auto& lines = machine.hydraulics.lines;
+  const bool waves = options.hydraulics && (lines.segments > 0.0 || lines.modes > 0.0);
   return waves ? hydraulics::without_line_inertia(machine) : machine;
 }
 

@@ -85,13 +85,18 @@ void add_softening(const StateLayout& layout, std::vector<Described>& all) {
   add(layout.ring_softening, "ring");
 }
 
-void add_lines(const StateLayout& layout, std::vector<Described>& all) {
+/// Segments: pressures from the valve on, flows. Modes: those of the modes from the column on, of
+/// which the column's pressure is that at the valve with a share of the chamber's.
+void add_lines(const StateLayout& layout, bool modal, std::vector<Described>& all) {
   for (size_t k = 0; k < layout.lines.size(); ++k) {
     if (layout.lines[k] < 0) continue;
     const auto line = fmt::format("leg{}.{}_line", k / 2 + 1, k % 2 == 0 ? "cap" : "rod");
-    const int segments = layout.line_states / 2;
-    for (int j = 0; j < segments; ++j) all.push_back({fmt::format("{}.p{}", line, j), pressure});
-    for (int j = 1; j <= segments; ++j) all.push_back({fmt::format("{}.q{}", line, j), line_flow});
+    const int pairs = layout.line_states / 2, first_flow = modal ? 0 : 1;
+    const char *of_pressure = modal ? "mode_p" : "p", *of_flow = modal ? "mode_q" : "q";
+    for (int j = 0; j < pairs; ++j)
+      all.push_back({fmt::format("{}.{}{}", line, of_pressure, j), pressure});
+    for (int j = 0; j < pairs; ++j)
+      all.push_back({fmt::format("{}.{}{}", line, of_flow, first_flow + j), line_flow});
   }
 }
 
@@ -137,7 +142,7 @@ std::vector<Described> described(const StateLayout& layout,
   }
   if (layout.supply >= 0) all.push_back({"p_supply", pressure});
   if (layout.bristles >= 0) per_leg("bristle", bristle, nullptr, bristle);
-  add_lines(layout, all);
+  add_lines(layout, mechanics.machine().hydraulics.lines.modes > 0.0, all);
   add_joints(layout, all);
   add_base(base, "", base_shift, base_turn, all);
   add_base(base, "_rate", base_shifting, base_turning, all);

@@ -362,8 +362,11 @@ TEST(FmuArchive, TheStructureIsTrueWithElectricDrives) {
 
 /// Flows of lines, which leg 4 has none of, stand between valves and chambers.
 TEST(FmuArchive, TheStructureIsTrueWithLines) {
-  for (const char* gimbals : {"", "legs.gimbal_stiffness=\"200 kN/mm\""}) {
-    std::vector<std::string> overrides{"lines.segments=2",
+  for (const auto& [gimbals, lines] : {std::pair{"", "lines.segments=2"},
+                                       {"", "lines.modes=3"},
+                                       {"legs.gimbal_stiffness=\"200 kN/mm\"", "lines.segments=2"},
+                                       {"legs.gimbal_stiffness=\"200 kN/mm\"", "lines.modes=2"}}) {
+    std::vector<std::string> overrides{lines,
                                        "legs.friction.coulomb=210 N",
                                        "supply.pump_flow=\"310 l/min\"",
                                        "legs.oil_spring.cylinder.cap_line_length=2.7",

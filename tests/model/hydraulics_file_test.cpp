@@ -109,6 +109,10 @@ TEST(HydraulicsFile, LinesHaveSegments) {
     return "accepted";
   };
   EXPECT_EQ(message_of({"lines.segments=2.5"}), "is 2.5, expected a whole number up to 8");
+  EXPECT_EQ(lines_with({"lines.modes=5"}).modes, 5.0);
+  EXPECT_EQ(message_of({"lines.modes=1.5"}), "is 1.5, expected a whole number up to 8");
+  EXPECT_EQ(message_of({"lines.modes=3", "lines.segments=3"}),
+            "stands beside `lines.segments`: a line has modes or segments, expected one of them");
   EXPECT_EQ(message_of({"lines.segments=2", "legs.oil_spring.cylinder.volumes=equal",
                         "legs.oil_spring.cylinder.control_volume=2 l"}),
             "takes lines out of the chambers that hold them, expected "
@@ -171,6 +175,9 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"lines.viscosity=-0.01", "lines.viscosity: is -0.01 Pa s, expected 0 or more"},
         Refused{"lines.segments=3",
                 "lines.segments: has no effect: no line has a length, expected "
+                "`legs.oil_spring.cylinder.cap_line_length` or `rod_line_length`"},
+        Refused{"lines.modes=3",
+                "lines.modes: has no effect: no line has a length, expected "
                 "`legs.oil_spring.cylinder.cap_line_length` or `rod_line_length`"},
         Refused{"supply.pressur=1e7", "supply.pressur: unknown key; did you mean `pressure`?"}));
 

@@ -16,7 +16,8 @@
 ///     z    per leg the bristles' bend [m], with LuGre friction in any leg only
 ///     p, q per line with waves (a length and `lines.segments` N) its pressures from the valve on
 ///          [Pa] and its flows towards the chamber [m³/s], see hydraulics::SegmentedLine: leg 1 cap
-///          side, leg 1 rod side, leg 2 cap side, …
+///          side, leg 1 rod side, leg 2 cap side, …; with `lines.modes` N those of its modes, see
+///          hydraulics::ModalLine
 ///     z    per leg the bend of the bristles in its joints [rad], with `joint_friction.coulomb` and
 ///          `bristle_stiffness` in any leg only: of the base joint along t and a2, of the platform
 ///          joint along the directions of dynamics::LegJoints
@@ -58,6 +59,7 @@
 #include <vector>
 
 #include "hydrapod/dynamics/nonlinear.hpp"
+#include "hydrapod/hydraulics/modal_line.hpp"
 #include "hydrapod/hydraulics/servo_axis.hpp"
 
 namespace hydrapod::simulation {
@@ -327,7 +329,8 @@ class Plant {
   void lines_outputs(const double* x, PlantOutput& out) const;
   void lines_at_rest(int leg, const hydraulics::HydraulicRest& oil,
                      const hydraulics::PortFlows& flows, Eigen::VectorXd& x) const;
-  /// each(line, chamber, first state) of the lines with waves; `chamber` as in StateLayout::lines.
+  /// each(line, chamber, first state) of the lines with waves, segmented or modal; `chamber` as in
+  /// StateLayout::lines.
   template <class Each>
   void for_lines(const Each& each) const;
   [[nodiscard]] Eigen::VectorXd tangent_rates(const Eigen::VectorXd& x, const Eigen::VectorXd& x_0,
@@ -369,6 +372,7 @@ class Plant {
   PlantOptions options_;
   std::array<hydraulics::ServoAxis, model::leg_count> axes_{};
   std::array<hydraulics::LegLines, model::leg_count> lines_{};
+  std::array<hydraulics::LegModalLines, model::leg_count> modal_lines_{};
   std::array<OilSpring, model::leg_count> springs_{};
   std::array<Gimbals, model::leg_count> gimbals_{};
   StuckJoints stuck_joints_{};
