@@ -263,7 +263,12 @@ Vector3L add_joint_friction(const LegsInMotion& at, const LegSurroundings& aroun
   if (!around.joint_friction) return {zero, zero, zero};
   const auto turning = joint_turning(at, around.legs, around.omega);
   forces.n += turning.base_slope * turning.base_rate;
-  const Vector3L moment = turning.platform_slope * turning.platform_rate;
+  Vector3L moment = turning.platform_slope * turning.platform_rate;
+  if (around.joints_stick) {
+    const AcrossRod across(at);
+    forces.n += Vector3L(around.base_torque[0], around.base_torque[1], zero);
+    moment += around.platform_torque[0] * across.first + around.platform_torque[1] * across.second;
+  }
   forces.e -= moment.cross(at.e);
   return -moment;
 }

@@ -61,6 +61,8 @@ struct LegSurroundings {
   bool seals_press{};   ///< the next ones count: Loads::sleeve, Loads::ring, Loads::frame_moment
   Vector2L sleeve_force{}, ring_force{};
   Lanes frame_moment{};
+  bool joints_stick{};  ///< the next ones count: Loads::base_joint, Loads::platform_joint
+  Vector2L base_torque{}, platform_torque{};
 };
 
 /// Mass part only: A_inverse, M_cc, X, M_ff, M_ff_inverse.
@@ -88,6 +90,12 @@ struct JointTurning {
   Lanes base_slope, platform_slope;
 };
 JointTurning joint_turning(const LegsInMotion& at, const LegConstants& legs, const Vector3& omega);
+
+/// Directions across the rod along which LegJoints::platform is told, L.
+struct AcrossRod {
+  Vector3L first, second;
+  explicit AcrossRod(const LegsInMotion& at) : first(at.e_2), second(at.e.cross(at.e_2)) {}
+};
 
 /// What the guide rings add to k_s: force per offset [N/m], and their energy [J].
 Lanes guide_secant(const LegsInMotion& at, const LegConstants& legs);

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "guide_contact.hpp"
+#include "leg_equations.hpp"
 
 namespace hydrapod::dynamics {
 
@@ -187,6 +188,33 @@ Vector6 frame_spins(const NonlinearModel& model, const Motion& motion) {
   Vector6 spins;
   for (int i = 0; i < model::leg_count; ++i) spins[i] = side_by_side(motion).omega[2][i];
   return spins;
+}
+
+LegJoints leg_joints(const NonlinearModel& model, const Motion& motion) {
+  const auto& at = side_by_side(motion);
+  const Vector3L against_rod =
+      in_cases(at, motion.twist.tail<3>()) - at.e.cross(at.e_rate);  // across it
+  const AcrossRod across(at);
+  Matrix3L rod;
+  rod << across.first, across.second, at.e;
+  const Matrix3L rod_B = at.R_BL * rod;
+  const Vector3L rates = rod.transpose() * against_rod;
+  const bool spins = model.machine().flexible_axes == model::FlexibleAxes::transverse;
+  // The rod's directions turn with φ1 about the first axis of the case.
+  const Lanes rod_spin = at.omega.dot(at.e) + at.flexible_rate[0] * at.e[0];
+  LegJoints joints;
+  joints.base_spin = frame_spins(model, motion);
+  for (int i = 0; i < model::leg_count; ++i) {
+    const auto leg = static_cast<std::size_t>(i);
+    for (int k = 0; k < 9; ++k) {
+      joints.case_axes[leg](k % 3, k / 3) = at.R_BL(k % 3, k / 3)[i];
+      joints.rod_axes[leg](k % 3, k / 3) = rod_B(k % 3, k / 3)[i];
+    }
+    joints.base[leg] << at.omega[1][i], -at.omega[0][i];
+    joints.platform[leg] << rates[0][i], rates[1][i];
+    if (spins) joints.platform_spin[i] = rod_spin[i];
+  }
+  return joints;
 }
 
 }  // namespace hydrapod::dynamics

@@ -377,6 +377,13 @@ LegSurroundings NonlinearModel::surroundings(const Motion& motion, const Loads& 
                          motion.twist.tail<3>(),
                          omega.cross(swing),
                          gather([&](int i) { return loads.axial[i]; })};
+  if (loads.joints_stick) {
+    around.joint_friction = around.joints_stick = true;
+    for (int k = 0; k < 2; ++k) {
+      around.base_torque[k] = gather([&](int i) { return loads.base_joint[i][k]; });
+      around.platform_torque[k] = gather([&](int i) { return loads.platform_joint[i][k]; });
+    }
+  }
   if (!loads.seals_press) return around;
   around.seals_press = true;
   for (int k = 0; k < 2; ++k) {

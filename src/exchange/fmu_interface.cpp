@@ -23,10 +23,11 @@ bool concerns(std::string_view path, const FmuMachine& fmu) {
   const auto begins = [&](const char* front) { return path.starts_with(front); };
   if (std::ranges::any_of(never, begins)) return false;
   if (path.starts_with("controller.")) return fmu.controlled;
-  // The number of segments says which states there are.
+  // The number of segments or modes says which states there are.
   const bool oil = fmu.hydraulics && !fmu.drives();
-  const bool waves = oil && fmu.machine.hydraulics.lines.segments > 0.0;
-  if (path.starts_with("lines.")) return waves && path != "lines.segments";
+  const auto& lines = fmu.machine.hydraulics.lines;
+  const bool waves = oil && (lines.segments > 0.0 || lines.modes > 0.0);
+  if (path.starts_with("lines.")) return waves && path == "lines.viscosity";
   return oil || !std::ranges::any_of(of_oil, begins);
 }
 
@@ -272,8 +273,10 @@ std::string state_description(const simulation::StateLayout& layout, int k, bool
   if (layout.bristles >= 0 && k >= layout.bristles) of = "bend of the seal's bristles";
   for (const int first : layout.lines)
     if (first >= 0 && k >= first && k < first + layout.line_states)
-      of = k < first + layout.line_states / 2 ? "pressure in a line, absolute, from the valve on"
-                                              : "flow in a line towards the chamber";
+      of = k < first + layout.line_states / 2
+               ? "pressure in a line, absolute, from the valve on, or of a mode of it"
+               : "flow in a line towards the chamber, or of a mode of it";
+  if (layout.joints >= 0 && k >= layout.joints) of = "bend of the bristles in a joint";
   if (layout.base >= 0 && k >= layout.base) of = "motion of the base against the ground";
   if (layout.arms >= 0 && k >= layout.arms) of = "way of a damper in an elastomer seal";
   for (const auto& softening : {layout.sleeve_softening, layout.ring_softening})

@@ -19,7 +19,7 @@ constexpr unsigned leg_stretch = pose_parts | part::flexible;
 constexpr unsigned leg_speed = leg_stretch | part::velocity | part::turning | part::flexible_rate;
 constexpr unsigned accelerations = leg_speed | part::pressure | part::bristle | part::base |
                                    part::base_rate | part::axial | part::wrench | part::arms |
-                                   part::payload | part::nut | part::nut_rate;
+                                   part::payload | part::nut | part::nut_rate | part::joints;
 constexpr unsigned motor_torque = part::nut_rate | part::torque_integral | part::valve;
 
 double pose_coordinate(const PlantOutput& out, int k) {

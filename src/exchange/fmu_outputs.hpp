@@ -30,6 +30,7 @@ inline constexpr unsigned payload = 1U << 19U;  ///< its modes, with their rates
 inline constexpr unsigned nut = 1U << 20U;      ///< its way
 inline constexpr unsigned nut_rate = 1U << 21U;
 inline constexpr unsigned torque_integral = 1U << 22U;
+inline constexpr unsigned joints = 1U << 23U;  ///< bend of their bristles
 }  // namespace part
 
 struct FmuOutput {

@@ -34,6 +34,14 @@ struct Seal {
   }
 };
 
+bool has_modal_lines(const Plant& plant) { return plant.machine().hydraulics.lines.modes > 0.0; }
+
+/// Do the joints of leg `i` have bristles?
+bool sticks(const Plant& plant, int i) {
+  const auto& joints = plant.machine().legs[static_cast<std::size_t>(i)].hydraulics.joint_friction;
+  return plant.layout().joints >= 0 && joints.coulomb > 0.0 && joints.bristle_stiffness;
+}
+
 /// Knowns of an unknown, as they are collected.
 class Knowns {
  public:
@@ -54,14 +62,16 @@ class Knowns {
   /// What flows into a chamber, numbered as in StateLayout::lines: out of its line, or out of the
   /// valve, which sees its pressure.
   void inflow(int chamber) {
-    if (const int line = layout_.lines.at(static_cast<std::size_t>(chamber)); line >= 0)
-      return state(line + layout_.line_states - 1);
+    const int line = layout_.lines.at(static_cast<std::size_t>(chamber));
+    if (line >= 0 && !has_modal_lines(plant_)) return state(line + layout_.line_states - 1);
+    if (line >= 0) states(line + layout_.line_states / 2, layout_.line_states / 2);
     port(chamber);
   }
   /// What flows out of the valve towards a chamber.
   void port(int chamber) {
     const int line = layout_.lines.at(static_cast<std::size_t>(chamber));
-    state(line >= 0 ? line : layout_.pressures + chamber);
+    if (line >= 0) state(line);
+    if (line < 0 || has_modal_lines(plant_)) state(layout_.pressures + chamber);
     state(layout_.spool(chamber / 2));
     if (layout_.supply >= 0) state(layout_.supply);
   }
@@ -107,6 +117,7 @@ class Knowns {
     if ((parts & part::spool_rate) != 0 && oil) state(layout_.spool(i) + 1);
     if ((parts & part::bristle) != 0 && plant_.axis(i).friction.has_bristles() && oil)
       state(layout_.bristles + i);
+    if ((parts & part::joints) != 0 && sticks(plant_, i)) states(layout_.joint(i, false), 4);
     if ((parts & part::arms) != 0)
       for (const bool sleeve : {true, false}) {
         const Seal seal(layout_, i, sleeve);
@@ -171,6 +182,22 @@ void of_line(int k, int chamber, const simulation::StateLayout& layout, Knowns& 
   knowns.state(first + k);
 }
 
+/// State `k` of a line in modes: pressures p_w, P_1, …, then flows q_0, …. Its oil is compressed as
+/// the chamber's.
+void of_modal_line(int k, int chamber, const simulation::StateLayout& layout, Knowns& knowns) {
+  const int first = layout.lines.at(static_cast<std::size_t>(chamber));
+  const int modes = layout.line_states / 2, flows = first + modes, mode = k % modes;
+  knowns.state(layout.pressures + chamber);
+  if (k == 0) {
+    knowns.states(flows, modes);
+    return knowns.port(chamber);
+  }
+  knowns.state(flows + mode);
+  if (k < modes) return;
+  knowns.state(first);
+  knowns.state(first + mode);
+}
+
 /// The offset along an axis at a seal, which its own force moves where rod and case bend.
 void of_offset(const Seal& seal, int axis, const Plant& plant, Knowns& knowns) {
   if (!seal.sleeve) {
@@ -225,10 +252,19 @@ void of_derivative(int k, const Plant& plant, Knowns& knowns) {
       knowns.parts(fmu_speed_parts() | part::bristle, leg);
     return;
   }
+  if (layout.joints >= 0 && k >= layout.joints && k < layout.joints + 4 * leg_count) {
+    const int at = k - layout.joints;
+    if (sticks(plant, at / 4)) {
+      knowns.states(k - at % 2, 2);
+      knowns.parts(fmu_speed_parts(), at / 4);
+    }
+    return;
+  }
   for (int chamber = 0; chamber < 2 * leg_count; ++chamber) {
     const int first = layout.lines.at(static_cast<std::size_t>(chamber));
-    if (first >= 0 && k >= first && k < first + layout.line_states)
-      return of_line(k - first, chamber, layout, knowns);
+    if (first < 0 || k < first || k >= first + layout.line_states) continue;
+    return has_modal_lines(plant) ? of_modal_line(k - first, chamber, layout, knowns)
+                                  : of_line(k - first, chamber, layout, knowns);
   }
   for (int leg = 0; leg < leg_count; ++leg)
     for (const bool sleeve : {true, false})

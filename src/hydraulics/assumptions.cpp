@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "equivalent_cylinder.hpp"
+#include "hydrapod/hydraulics/modal_line.hpp"
 #include "hydrapod/hydraulics/servo_axis.hpp"
 
 namespace hydrapod::hydraulics {
@@ -98,16 +99,19 @@ void assume_lines(const model::Machine& machine, std::vector<Assumption>& all) {
   for (int i = 0; i < leg_count; ++i) {
     const auto& given = machine.legs[i].oil_spring.cylinder;
     const auto lines = segmented_lines(machine, i);
-    const auto add = [&](const SegmentedLine& line, double length) {
-      if (line.segments == 0) return;
-      const double N = line.segments, section = N * line.volume / length;
+    const auto modal = modal_lines(machine, i);
+    const auto add = [&](const auto& line, double pieces, double length) {
+      if (line.states() == 0) return;
+      const double section = pieces * line.volume / length;
       const double compliance = line.volume / effective_bulk_modulus(*given) + line.compliance;
       diameters.push_back(2.0 * std::sqrt(section / std::numbers::pi));
-      waves.push_back(0.25 / (N * std::sqrt(line.inertance * compliance)));
+      waves.push_back(0.25 / (pieces * std::sqrt(line.inertance * compliance)));
     };
     if (!given) continue;
-    add(lines.cap, given->cap_line_length);
-    add(lines.rod, given->rod_line_length);
+    add(lines.cap, lines.cap.segments, given->cap_line_length);
+    add(lines.rod, lines.rod.segments, given->rod_line_length);
+    add(modal.cap, 1.0, given->cap_line_length);
+    add(modal.rod, 1.0, given->rod_line_length);
   }
   if (waves.empty()) return;
   all.push_back({"lines", fmt::format("round pipes of {} mm by their volumes and lengths; quarter "

@@ -68,6 +68,7 @@ hydraulics::Friction joint_law(const model::JointFriction& given) {
   law.coulomb = law.breakaway = given.coulomb;
   law.smoothing_velocity = given.smoothing_rate;
   law.bristle_stiffness = given.bristle_stiffness.value_or(0.0);
+  law.bristle_damping = given.bristle_damping;
   return law;
 }
 

@@ -103,10 +103,19 @@ constexpr ParameterRow control_rows[]{
          .expected = "0 (dead ends) or a whole number of segments up to 8"},
         "0: the oil of a line has the inertia of a dead end and no waves; 1 to 8: each line is a "
         "chain of as many segments, with waves and with the valve open or shut"),
+    number<&Machine::hydraulics, lines, &Lines::modes>(
+        "lines.modes", "1", standard,
+        {.lowest = 0.0,
+         .highest = most_line_segments,
+         .expected = "0 (none) or a whole number of modes up to 8"},
+        "in place of `segments`: 1 to 8 modes of each line, the first of which is the column; as "
+        "many states and far closer to the uniform line"),
     used_with("lines.segments",
               number<&Machine::hydraulics, lines, &Lines::viscosity>(
                   "lines.viscosity", "Pa s", standard, usual(1e-4, 10.0, not_negative),
-                  "μ of the oil, for the laminar loss in lines with segments", shown("40 mPa s"))),
+                  "μ of the oil, for the laminar loss in lines with segments or modes",
+                  shown("40 mPa s")),
+              "lines.modes"),
     simulation("controller", "from pose errors to valve drives"),
     word<controller, &ControlSettings::space>(
         "controller.space", space_words,

@@ -84,11 +84,16 @@ constexpr ParameterRow leg_hydraulics_rows[]{
     used_with("legs.joint_friction.coulomb",
               number<hydraulics, joint_friction, &JointFriction::smoothing_rate>(
                   "legs.joint_friction.smoothing_rate", "rad/s", standard, positive,
-                  "of the same law as at the seals")),
+                  "of the same law as at the seals; not used with bristles")),
     number<hydraulics, joint_friction, &JointFriction::bristle_stiffness>(
         "legs.joint_friction.bristle_stiffness", "N m/rad", otherwise("the smooth law"), positive,
-        "σ_0; `modes --amplitude` then uses the law of LuGre, simulations do not",
+        "σ_0 of the law of LuGre: joints stick before they slide, in simulations, `modes "
+        "--system` and `modes --amplitude`",
         shown("500 kN m/rad")),
+    used_with(
+        "legs.joint_friction.bristle_stiffness",
+        number<hydraulics, joint_friction, &JointFriction::bristle_damping>(
+            "legs.joint_friction.bristle_damping", "N m s/rad", standard, not_negative, "σ_1")),
     simulation("legs.end_stops", "at the ends of the stroke"),
     number<hydraulics, &LegHydraulics::end_stops, &EndStops::stiffness>(
         "legs.end_stops.stiffness", "N/m", otherwise("20 times the oil spring"), positive,

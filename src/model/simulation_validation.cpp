@@ -77,28 +77,45 @@ void check_supply(const Hydraulics& hydraulics, ValueChecks& checks) {
                "`pump_flow` too");
 }
 
-/// Lines with segments have lengths, and are taken out of the chambers that hold them.
-void check_lines(const Machine& machine, ValueChecks& checks) {
-  const double segments = machine.hydraulics.lines.segments;
-  if (segments == 0.0 || !checks.sound("lines.segments")) return;
-  if (segments != std::floor(segments))
-    checks.add("lines.segments", fmt::format("is {:.6g}, expected a whole number up to {}",
-                                             segments, most_line_segments));
+namespace {
+
+/// Lines with waves have lengths, and are taken out of the chambers that hold them. `key`: what
+/// asks for the waves, `number` of what.
+void check_waves(const Machine& machine, const std::string& key, double number,
+                 ValueChecks& checks) {
+  if (number != std::floor(number))
+    checks.add(key, fmt::format("is {:.6g}, expected a whole number up to {}", number,
+                                most_line_segments));
   const auto has_line = [](const Leg& leg) {
     const auto& cylinder = leg.oil_spring.cylinder;
     return cylinder && (cylinder->cap_line_length > 0.0 || cylinder->rod_line_length > 0.0);
   };
   const auto& legs = machine.legs;
   if (std::none_of(legs.begin(), legs.end(), has_line))
-    checks.add("lines.segments",
+    checks.add(key,
                "has no effect: no line has a length, expected "
                "`legs.oil_spring.cylinder.cap_line_length` or `rod_line_length`");
   if (std::any_of(legs.begin(), legs.end(), [&](const Leg& leg) {
         return has_line(leg) && leg.oil_spring.cylinder->volumes == VolumeRule::equal;
       }))
-    checks.add("lines.segments",
+    checks.add(key,
                "takes lines out of the chambers that hold them, expected "
                "`legs.oil_spring.cylinder.volumes` = \"chambers\"");
+}
+
+}  // namespace
+
+void check_lines(const Machine& machine, ValueChecks& checks) {
+  const auto& [segments, modes, viscosity] = machine.hydraulics.lines;
+  const bool of_segments = segments != 0.0 && checks.sound("lines.segments");
+  const bool of_modes = modes != 0.0 && checks.sound("lines.modes");
+  if (of_segments) check_waves(machine, "lines.segments", segments, checks);
+  if (of_modes && of_segments)
+    checks.add(
+        "lines.modes",
+        "stands beside `lines.segments`: a line has modes or segments, expected one of them");
+  else if (of_modes)
+    check_waves(machine, "lines.modes", modes, checks);
 }
 
 void check_sensors(const Sensors& sensors, ValueChecks& checks) {

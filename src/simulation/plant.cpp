@@ -54,15 +54,18 @@ void reduce_friction(Friction friction, hydraulics::Friction& seal) {
 
 model::Machine with_friction(model::Machine machine, Friction friction) {
   for (auto& leg : machine.legs) {
-    if (friction != Friction::all) leg.hydraulics.joint_friction.coulomb = 0.0;
-    if (friction == Friction::none) leg.hydraulics.joint_friction.viscous = 0.0;
+    auto& joints = leg.hydraulics.joint_friction;
+    // bristles are the plant's
+    if (friction != Friction::all || joints.bristle_stiffness) joints.coulomb = 0.0;
+    if (friction == Friction::none) joints.viscous = 0.0;
   }
   return machine;
 }
 
 /// Oil that moves by itself is no inertia of the legs.
 model::Machine with_lines(const model::Machine& machine, const PlantOptions& options) {
-  const bool waves = options.hydraulics && machine.hydraulics.lines.segments > 0.0;
+  const auto& lines = machine.hydraulics.lines;
+  const bool waves = options.hydraulics && (lines.segments > 0.0 || lines.modes > 0.0);
   return waves ? hydraulics::without_line_inertia(machine) : machine;
 }
 
@@ -102,6 +105,7 @@ Plant::Plant(const model::Machine& machine, ModelKind kind, const PlantOptions& 
   }
   layout_ = make_layout(mechanics_, options, axes_);
   set_lines();
+  set_joints(X_reference);
   set_base(X_reference);
   set_arms(X_reference);
   set_gimbals(X_reference);
@@ -162,6 +166,7 @@ bool Plant::evaluate(const double* x, const PlantInput& input, double* rate, Wor
       loads.axial[i] = spring_side(i, work.motion.legs[i], input, work.legs[i]);
   }
   arms_side(x, rate, loads, work);
+  joints_side(x, rate, loads, work);
   double* v_rate = rate + layout_.velocity();
   if (base_.count > 0)
     base_side(x, loads, rate, work);
@@ -206,6 +211,7 @@ PlantOutput Plant::outputs(const double* x, const PlantInput& input) const {
   out.dissipation = mechanics_.dissipation(work.motion);
   base_outputs(x, work, out);
   arms_outputs(x, work, out);
+  joints_outputs(x, work, out);
   lines_outputs(x, out);
   if (layout_.nuts >= 0) drives_outputs(x, work, out);
   for (int i = 0; i < leg_count; ++i) {

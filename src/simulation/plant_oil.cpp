@@ -59,7 +59,11 @@ OilState Plant::oil_state(const dynamics::Motion& motion, const double* x,
   state.rod_port = state.p_rod;
   state.x = x;
   for_line_ends(layout_, [&](int i, bool cap, int first) {
-    (cap ? state.cap_port : state.rod_port).set(i, x[first]);
+    const auto& modal = cap ? modal_lines_[i].cap : modal_lines_[i].rod;
+    const double chamber = (cap ? state.p_cap : state.p_rod)[i];
+    (cap ? state.cap_port : state.rod_port)
+        .set(i,
+             modal.modes == 0 ? x[first] : hydraulics::valve_pressure(modal, x + first, chamber));
   });
   state.bristle = 0.0;
   if (layout_.bristles >= 0) state.bristle = at([&](int i) { return layout_.bristles + i; });
@@ -81,7 +85,11 @@ OilRates Plant::oil_rates(const OilState& state) const {
   out.cap_inflow = flows.cap;
   out.rod_inflow = flows.rod;
   for_line_ends(layout_, [&](int i, bool cap, int first) {
-    (cap ? out.cap_inflow : out.rod_inflow).set(i, state.x[first + layout_.line_states - 1]);
+    const auto& modal = cap ? modal_lines_[i].cap : modal_lines_[i].rod;
+    const double at_valve = (cap ? flows.cap : flows.rod)[i];
+    (cap ? out.cap_inflow : out.rod_inflow)
+        .set(i, modal.modes == 0 ? state.x[first + layout_.line_states - 1]
+                                 : hydraulics::chamber_inflow(modal, state.x + first, at_valve));
   });
   out.internal_leakage = axis.internal_leakage * (state.p_cap - state.p_rod);
   const Lanes cap_out = axis.external_leakage * (state.p_cap - atmosphere);

@@ -30,12 +30,12 @@ void require_stroke(int i, double s, const hydraulics::Stops& stops) {
       i + 1, s, stops.low, stops.high));
 }
 
-void require_rest(int i, const hydraulics::HydraulicRest& rest, double force, double pressure) {
+void require_rest(int i, const hydraulics::HydraulicRest& rest, double force, double supply) {
   if (rest.found) return;
   throw base::ComputationError(fmt::format(
       "leg {}: a supply of {:.4g} MPa cannot hold the static force of {:.4g} N at this pose; "
       "expected a higher `supply.pressure` or a larger cylinder",
-      i + 1, 1e-6 * pressure, force));
+      i + 1, 1e-6 * supply, force));
 }
 
 }  // namespace
@@ -74,8 +74,10 @@ double Plant::hold(const dynamics::StaticEquilibrium& statics, const model::Supp
   double drawn = 0.0;
   for (int i = 0; i < leg_count; ++i) {
     const double force = 0.0 - statics.legs[i].oil_force;
-    const auto oil = hydraulics::hydraulic_rest(axes_[i], supply, force,
-                                                {lines_[i].cap.loss(), lines_[i].rod.loss()});
+    const auto& modal = modal_lines_[i];
+    const auto oil = hydraulics::hydraulic_rest(
+        axes_[i], supply, force,
+        {lines_[i].cap.loss() + modal.cap.loss(), lines_[i].rod.loss() + modal.rod.loss()});
     require_rest(i, oil, force, supply.pressure);
     rest.x[layout_.cap(i)] = oil.p_cap;
     rest.x[layout_.rod(i)] = oil.p_rod;

@@ -11,7 +11,7 @@ using numerics::Lanes;
 /// As long as any plant's state, without allocation.
 constexpr int most_states =
     2 * dynamics::most_velocities + 1 + 4 * model::leg_count + 1 + model::leg_count + 12 +
-    2 * model::leg_count * 2 * model::most_line_segments +
+    4 * model::leg_count + 2 * model::leg_count * 2 * model::most_line_segments +
     2 * (StateLayout::arm_states + StateLayout::softening_states) * model::leg_count;
 using StateOnStack = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, most_states, 1>;
 

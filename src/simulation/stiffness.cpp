@@ -62,8 +62,9 @@ void require_short_steps(const Plant& plant, const Plant::Rest& rest, double ste
   if (step * fastest.rate <= most) return;
   throw base::ComputationError(fmt::format(
       "fixed steps of {:.3g} s are too long for a state that changes at {:.2g} 1/s (fastest: {}); "
-      "expected at most {:.2g} s, another integrator or fewer `lines.segments`",
-      step, fastest.rate, fastest.state, most / fastest.rate));
+      "expected at most {:.2g} s, another integrator or fewer `lines.{}`",
+      step, fastest.rate, fastest.state, most / fastest.rate,
+      plant.machine().hydraulics.lines.modes > 0.0 ? "modes" : "segments"));
 }
 
 }  // namespace

@@ -24,11 +24,14 @@ namespace {
 using exchange::FmuVersion;
 using simulation::machine_of;
 
-/// With everything that has states: bristles, a pump, a damped mount, compliant gimbals.
+/// With everything that has states: bristles of seals and joints, a pump, a damped mount, compliant
+/// gimbals.
 model::Machine rich_machine() {
   return machine_of(
       "heavy-platform",
       {"legs.friction.coulomb=\"300 N\"", "legs.friction.bristles.stiffness=\"20 kN/mm\"",
+       "legs.joint_friction.coulomb=40", "leg.2.joint_friction.bristle_stiffness=3e5",
+       "leg.5.joint_friction.bristle_stiffness=2e5", "leg.5.joint_friction.bristle_damping=70",
        "supply.pump_flow=\"400 l/min\"", "legs.gimbal_stiffness=\"200 kN/mm\"",
        "base.mount.stiffness.x=\"800 kN/mm\"", "base.mount.stiffness.rz=\"900 MN m/rad\"",
        "base.mount.mass=\"5 t\"", "damping.modal_ratio=0.01",
@@ -359,8 +362,11 @@ TEST(FmuArchive, TheStructureIsTrueWithElectricDrives) {
 
 /// Flows of lines, which leg 4 has none of, stand between valves and chambers.
 TEST(FmuArchive, TheStructureIsTrueWithLines) {
-  for (const char* gimbals : {"", "legs.gimbal_stiffness=\"200 kN/mm\""}) {
-    std::vector<std::string> overrides{"lines.segments=2",
+  for (const auto& [gimbals, lines] : {std::pair{"", "lines.segments=2"},
+                                       {"", "lines.modes=3"},
+                                       {"legs.gimbal_stiffness=\"200 kN/mm\"", "lines.segments=2"},
+                                       {"legs.gimbal_stiffness=\"200 kN/mm\"", "lines.modes=2"}}) {
+    std::vector<std::string> overrides{lines,
                                        "legs.friction.coulomb=210 N",
                                        "supply.pump_flow=\"310 l/min\"",
                                        "legs.oil_spring.cylinder.cap_line_length=2.7",

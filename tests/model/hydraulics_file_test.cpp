@@ -62,6 +62,7 @@ TEST(HydraulicsFile, TheLegsTablesAreReadInTheirUnits) {
   EXPECT_EQ(leg.joint_friction.viscous, 2.0);
   EXPECT_EQ(leg.joint_friction.coulomb, 3.0);
   EXPECT_EQ(leg.joint_friction.smoothing_rate, 0.02);
+  EXPECT_EQ(leg.joint_friction.bristle_damping, 0.0);
   EXPECT_EQ(leg.end_stops.stiffness, 1e8);
   EXPECT_EQ(leg.end_stops.damping, 0.25);
   EXPECT_EQ(leg.equivalent_cylinder.area_ratio, 0.6);
@@ -108,6 +109,10 @@ TEST(HydraulicsFile, LinesHaveSegments) {
     return "accepted";
   };
   EXPECT_EQ(message_of({"lines.segments=2.5"}), "is 2.5, expected a whole number up to 8");
+  EXPECT_EQ(lines_with({"lines.modes=5"}).modes, 5.0);
+  EXPECT_EQ(message_of({"lines.modes=1.5"}), "is 1.5, expected a whole number up to 8");
+  EXPECT_EQ(message_of({"lines.modes=3", "lines.segments=3"}),
+            "stands beside `lines.segments`: a line has modes or segments, expected one of them");
   EXPECT_EQ(message_of({"lines.segments=2", "legs.oil_spring.cylinder.volumes=equal",
                         "legs.oil_spring.cylinder.control_volume=2 l"}),
             "takes lines out of the chambers that hold them, expected "
@@ -170,6 +175,9 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"lines.viscosity=-0.01", "lines.viscosity: is -0.01 Pa s, expected 0 or more"},
         Refused{"lines.segments=3",
                 "lines.segments: has no effect: no line has a length, expected "
+                "`legs.oil_spring.cylinder.cap_line_length` or `rod_line_length`"},
+        Refused{"lines.modes=3",
+                "lines.modes: has no effect: no line has a length, expected "
                 "`legs.oil_spring.cylinder.cap_line_length` or `rod_line_length`"},
         Refused{"supply.pressur=1e7", "supply.pressur: unknown key; did you mean `pressure`?"}));
 

@@ -339,8 +339,12 @@ TEST(MachineFile, NumbersThatHaveNoEffectWithoutAnotherAreNamed) {
   EXPECT_THAT(warnings({"legs.joint_friction.smoothing_rate=0.02"}),
               ElementsAre("legs.joint_friction.smoothing_rate: has no effect without "
                           "`legs.joint_friction.coulomb`"));
-  EXPECT_THAT(warnings({"lines.viscosity=0.03"}),
-              ElementsAre("lines.viscosity: has no effect without `lines.segments`"));
+  EXPECT_THAT(warnings({"legs.joint_friction.coulomb=40", "legs.joint_friction.bristle_damping=9"}),
+              ElementsAre("legs.joint_friction.bristle_damping: has no effect without "
+                          "`legs.joint_friction.bristle_stiffness`"));
+  EXPECT_THAT(
+      warnings({"lines.viscosity=0.03"}),
+      ElementsAre("lines.viscosity: has no effect without `lines.segments` or `lines.modes`"));
   EXPECT_THAT(warnings({"supply.line_volume=0.003"}),
               ElementsAre("supply.line_volume: has no effect without `supply.pump_flow`"));
   EXPECT_THAT(warnings({"supply.line_volume=0.003", "supply.pump_flow=0.002"}), IsEmpty());

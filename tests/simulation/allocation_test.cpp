@@ -18,7 +18,7 @@ TEST(RealTime, ThePlantAndItsIntegratorsAllocateNothing) {
   machine.hydraulics.supply.pump_flow = 1e-3;
   for (auto& leg : machine.legs) {
     leg.piston_ring = model::PistonRing{.stiffness = 2e6, .damping = 500.0};
-    leg.hydraulics.joint_friction = {.viscous = 1.0, .coulomb = 2.0};
+    leg.hydraulics.joint_friction = {.viscous = 1.0, .coulomb = 2.0, .bristle_stiffness = 4e4};
     leg.hydraulics.friction.bristles = model::LuGreBristles{3e7, 1e3};
     leg.gimbal_stiffness = 1.3e7;
     leg.guide_sleeve.elastomer = {

@@ -10,7 +10,7 @@ namespace hydrapod::test {
 namespace {
 
 double energy(const simulation::PlantOutput& out) {
-  return out.energies.total() + out.oil_spring_energy;
+  return out.energies.total() + out.oil_spring_energy + out.joint_bristles_energy;
 }
 
 double pose_difference(const spatial::Pose& a, const spatial::Pose& b) {
@@ -43,6 +43,16 @@ void FreeFlight::damp() {
     leg.guide_sleeve.damping = 1e-4 * leg.guide_sleeve.stiffness;
     leg.piston_ring->damping = 1e-4 * leg.piston_ring->stiffness;
     leg.hydraulics.joint_friction = {.viscous = 3.0, .coulomb = 1.7, .smoothing_rate = 0.3};
+  }
+}
+
+void FreeFlight::stick() {
+  Random random(91);
+  for (auto& leg : machine_.legs) {
+    const double coulomb = machine_.platform.mass * random.uniform(0.02, 0.06);
+    leg.hydraulics.joint_friction = {.coulomb = coulomb,
+                                     .bristle_stiffness = coulomb * random.uniform(20.0, 60.0),
+                                     .bristle_damping = coulomb * random.uniform(0.1, 0.3)};
   }
 }
 

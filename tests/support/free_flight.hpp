@@ -24,6 +24,9 @@ class FreeFlight {
   /// Gives seals, joints and oil springs dampers, and adds Rayleigh damping.
   void damp();
 
+  /// Gives the joints bristles that stick and slide.
+  void stick();
+
   /// Looks at the state every `interval` [s].
   [[nodiscard]] FlightResult run(double seconds, const simulation::IntegratorOptions& options,
                                  double interval = 1e-3) const;

@@ -73,6 +73,11 @@ struct Loads {
   /// axis: what their moment is too small by [N m]. Used with `seals_press` only.
   Vector6 frame_moment{Vector6::Zero()};
   bool seals_press{};
+  /// Torques [N m] of what sticks in the legs' joints, against the rates of
+  /// LegJoints. Used with
+  /// `joints_stick` only.
+  std::array<Vector2, model::leg_count> base_joint{}, platform_joint{};
+  bool joints_stick{};
 };
 
 /// One leg in motion.
@@ -191,6 +196,22 @@ class NonlinearModel {
 /// Rates [rad/s] at which the legs' frames turn about n against their cases, which do not spin
 /// (FlexibleAxes::transverse); zero with gimbal axes.
 Vector6 frame_spins(const NonlinearModel& model, const Motion& motion);
+
+/// The joints of the legs, and how they turn across the axes of the legs.
+struct LegJoints {
+  /// Columns t, a2 and n of the case in B.
+  std::array<Matrix3, model::leg_count> case_axes{};
+  /// Columns ∂e/∂φ2, e × ∂e/∂φ2 and e of the rod in B; t, a2 and n where the leg is straight.
+  std::array<Matrix3, model::leg_count> rod_axes{};
+  /// Of the case against the base [rad/s]: ṅ along t and a2.
+  std::array<Vector2, model::leg_count> base{};
+  /// Of the platform against the rod [rad/s]: ω along the first two of `rod_axes`.
+  std::array<Vector2, model::leg_count> platform{};
+  /// At which these directions turn about n and e against case and rod, which do not spin; zero
+  /// with gimbal axes [rad/s].
+  Vector6 base_spin{Vector6::Zero()}, platform_spin{Vector6::Zero()};
+};
+LegJoints leg_joints(const NonlinearModel& model, const Motion& motion);
 
 struct MovingBase {
   static constexpr double fastest = 20.0;  ///< times the highest rigid frequency on a still base

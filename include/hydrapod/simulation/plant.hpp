@@ -16,7 +16,11 @@
 ///     z    per leg the bristles' bend [m], with LuGre friction in any leg only
 ///     p, q per line with waves (a length and `lines.segments` N) its pressures from the valve on
 ///          [Pa] and its flows towards the chamber [m³/s], see hydraulics::SegmentedLine: leg 1 cap
-///          side, leg 1 rod side, leg 2 cap side, …
+///          side, leg 1 rod side, leg 2 cap side, …; with `lines.modes` N those of its modes, see
+///          hydraulics::ModalLine
+///     z    per leg the bend of the bristles in its joints [rad], with `joint_friction.coulomb` and
+///          `bristle_stiffness` in any leg only: of the base joint along t and a2, of the platform
+///          joint along the directions of dynamics::LegJoints
 ///     q_b  motion of the base against the ground [m, rad], in the compliant directions only
 ///     v_b  its rates
 ///     η    per arm of seals that are elastomers two [m], along t and a2: of the guide sleeve's
@@ -55,6 +59,7 @@
 #include <vector>
 
 #include "hydrapod/dynamics/nonlinear.hpp"
+#include "hydrapod/hydraulics/modal_line.hpp"
 #include "hydrapod/hydraulics/servo_axis.hpp"
 
 namespace hydrapod::simulation {
@@ -66,7 +71,9 @@ using spatial::Vector6;
 
 enum class Friction {
   all,
-  viscous,  ///< no Coulomb and Stribeck parts: what a linearisation about rest should have
+  /// No Coulomb and Stribeck parts: what a linearisation about rest should have. Joints with
+  /// bristles stick: springs from the reference pose on, without states.
+  viscous,
   none
 };
 
@@ -105,8 +112,9 @@ struct StateLayout {
   int line_states{};  ///< of one line, 2 N; 0: no lines with waves
   /// First state of each line, in the order of the pressures; −1 where it has no waves.
   std::array<int, 2 * model::leg_count> lines{-1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1};
-  int base{-1};  ///< first of q_b, then as many of v_b
-  int arms{-1};  ///< first of the seals' η
+  int joints{-1};  ///< first of 24, four per leg: bend of the joints' bristles
+  int base{-1};    ///< first of q_b, then as many of v_b
+  int arms{-1};    ///< first of the seals' η
   /// Per leg the first η of its guide sleeve and of its piston ring, arm by arm along t and a2; −1
   /// where the seal is no elastomer.
   std::array<int, model::leg_count> sleeve_arms{-1, -1, -1, -1, -1, -1};
@@ -125,6 +133,10 @@ struct StateLayout {
   [[nodiscard]] int rod(int leg) const { return pressures + 2 * leg + 1; }
   [[nodiscard]] int spool(int leg) const { return spools + 2 * leg; }
   [[nodiscard]] int nut(int leg) const { return nuts + 3 * leg; }
+  /// First of two, of a joint.
+  [[nodiscard]] int joint(int leg, bool platform) const {
+    return joints + 4 * leg + (platform ? 2 : 0);
+  }
 };
 
 struct LegOutput {
@@ -176,6 +188,7 @@ struct PlantOutput {
   double gimbal_energy{};  ///< [J], with hydraulics: Σ F²/2k_j; else part of the oil springs'
   /// [J], of the arms of seals that are elastomers, less what softening takes from their springs.
   double seal_arms_energy{};
+  double joint_bristles_energy{};  ///< [J], of the bristles in the legs' joints
   /// [W]: seals, joints, friction, dampers, mount; not the hydraulics. Seals that recover from
   /// softening give back for a while what softening took.
   double dissipation{};
@@ -278,6 +291,15 @@ class Plant {
     double force{}, stiffness{}, damping{}, s{};
     double stick{};  ///< share of `stiffness` that is of seals that stick
   };
+  /// Joints whose bristles only stick: directions at the reference pose.
+  struct StuckJoints {
+    bool any{};
+    std::array<Vector3, model::leg_count> axis{};  ///< n in B
+    std::array<Vector3, model::leg_count> rod{};   ///< e in P
+  };
+  struct Joint;  ///< a joint with bristles as it stands
+  template <class Each>
+  void for_joints(const double* x, const dynamics::Motion& motion, const Each& each) const;
   struct Gimbals {
     double compliance{};  ///< 1/k_j [m/N], 0: they are rigid
     double force{};       ///< F_0 [N]
@@ -307,7 +329,8 @@ class Plant {
   void lines_outputs(const double* x, PlantOutput& out) const;
   void lines_at_rest(int leg, const hydraulics::HydraulicRest& oil,
                      const hydraulics::PortFlows& flows, Eigen::VectorXd& x) const;
-  /// each(line, chamber, first state) of the lines with waves; `chamber` as in StateLayout::lines.
+  /// each(line, chamber, first state) of the lines with waves, segmented or modal; `chamber` as in
+  /// StateLayout::lines.
   template <class Each>
   void for_lines(const Each& each) const;
   [[nodiscard]] Eigen::VectorXd tangent_rates(const Eigen::VectorXd& x, const Eigen::VectorXd& x_0,
@@ -339,6 +362,9 @@ class Plant {
   void arms_side(const double* x, double* rate, dynamics::Loads& loads, const Work& work) const;
   void arms_outputs(const double* x, const Work& work, PlantOutput& out) const;
   void arms_at_rest(Eigen::VectorXd& x) const;
+  void set_joints(const Pose& X_reference);
+  void joints_side(const double* x, double* rate, dynamics::Loads& loads, const Work& work) const;
+  void joints_outputs(const double* x, const Work& work, PlantOutput& out) const;
   void set_springs(const Pose& X_reference);
 
   model::Machine machine_;
@@ -346,8 +372,10 @@ class Plant {
   PlantOptions options_;
   std::array<hydraulics::ServoAxis, model::leg_count> axes_{};
   std::array<hydraulics::LegLines, model::leg_count> lines_{};
+  std::array<hydraulics::LegModalLines, model::leg_count> modal_lines_{};
   std::array<OilSpring, model::leg_count> springs_{};
   std::array<Gimbals, model::leg_count> gimbals_{};
+  StuckJoints stuck_joints_{};
   /// Of the seals that are elastomers.
   std::array<dynamics::SealArms, model::leg_count> sleeve_arms_{}, ring_arms_{};
   std::array<Softening, model::leg_count> sleeve_softening_{}, ring_softening_{};
