@@ -52,6 +52,21 @@ void check_equivalent_cylinder(const Leg& leg, ValueChecks& checks) {
                            *cylinder.area, least));
 }
 
+/// The oil of a line with a length has its inertia already. m_a may be of another line, or of the
+/// same.
+void check_line_inertia(const Leg& leg, ValueChecks& checks) {
+  const auto& cylinder = leg.oil_spring.cylinder;
+  if (!cylinder || !(leg.added_axial_inertia > 0.0)) return;
+  for (const auto& [key, length] : {std::pair{"cap_line_length", cylinder->cap_line_length},
+                                    std::pair{"rod_line_length", cylinder->rod_line_length}})
+    if (length > 0.0)
+      return checks.warn(
+          "added_axial_inertia",
+          fmt::format("is {:.6g} kg beside `oil_spring.cylinder.{}` = {:.6g} m, from which the oil "
+                      "of this line has an inertia: is it counted twice?",
+                      leg.added_axial_inertia, key, length));
+}
+
 }  // namespace
 
 void check_leg_hydraulics(const Leg& leg, ValueChecks& checks) {
@@ -59,6 +74,7 @@ void check_leg_hydraulics(const Leg& leg, ValueChecks& checks) {
   check_friction(leg.hydraulics.friction, checks);
   check_joint_friction(leg.hydraulics.joint_friction, checks);
   check_equivalent_cylinder(leg, checks);
+  check_line_inertia(leg, checks);
 }
 
 void check_supply(const Hydraulics& hydraulics, ValueChecks& checks) {

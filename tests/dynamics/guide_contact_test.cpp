@@ -131,6 +131,42 @@ TEST(GuideContactMachine, StandsOnItsGuidesWhereTheSealsAloneWouldLetItDown) {
   }
 }
 
+/// Without a gap a guide ring's stiffness changes no bit. A gap that no rod uses up changes nothing
+/// but the way to the equilibrium; one that is used up does.
+TEST(GuideContactMachine, WithoutAGapIsBitForBitTheOneWithoutARing) {
+  Random random(313);
+  for (const auto kind : {ModelKind::rigid, ModelKind::guide, ModelKind::full}) {
+    const auto without =
+        random_machine(random, {.axes = model::FlexibleAxes::gimbal, .gravity = Gravity::anywhere});
+    const auto& X = without.neutral();
+    const auto expected = dynamics::linear_model(without, X, kind);
+    auto ring = without;
+    for (auto& leg : ring.legs)
+      leg.guide_sleeve.guide_stiffness = 43.0 * leg.guide_sleeve.stiffness;
+    const auto same = dynamics::linear_model(ring, X, kind);
+    EXPECT_EQ(same.M, expected.M);
+    EXPECT_EQ(same.K, expected.K);
+    EXPECT_EQ(same.C, expected.C);
+    for (std::size_t i = 0; i < model::leg_count; ++i) {
+      EXPECT_EQ(same.statics.legs[i].flexible, expected.statics.legs[i].flexible);
+      EXPECT_EQ(same.statics.legs[i].oil_force, expected.statics.legs[i].oil_force);
+    }
+    if (kind == ModelKind::rigid) continue;
+    const auto with_gaps = [&](double share) {
+      auto machine = ring;
+      for (std::size_t i = 0; i < model::leg_count; ++i)
+        machine.legs[i].guide_sleeve.gap = share * expected.legs[i].sleeve_offset.norm();
+      return dynamics::linear_model(machine, X, kind);
+    };
+    constexpr double converged = 1e-9;
+    const auto open = with_gaps(1.0 / (1.0 - 1.01 * GuideContact::smoothing)),
+               used = with_gaps(0.7);
+    EXPECT_LE((open.K - expected.K).norm(), converged * expected.K.norm());
+    EXPECT_LE((open.M - expected.M).norm(), converged * expected.M.norm());
+    EXPECT_GT((used.K - expected.K).norm(), 1e-3 * expected.K.norm());
+  }
+}
+
 /// At rest nothing accelerates, and small tilts meet the stiffness of the linear model.
 TEST(GuideContactMachine, IsTheSameInTheNonlinearMechanics) {
   Random random(77);

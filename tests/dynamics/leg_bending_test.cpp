@@ -277,6 +277,35 @@ TEST(LegBending, OfAnEndlesslyStiffRodIsNone) {
   }
 }
 
+/// Sections and a modulus that are stated, of rods that do not bend, change no bit of the machine
+/// without them; of rods that bend they do.
+TEST(LegBending, ThatIsNotAskedForChangesNoBit) {
+  Random random(4801);
+  for (const auto gravity : {Gravity::none, Gravity::down})
+    for (const auto kind : {ModelKind::rigid, ModelKind::guide, ModelKind::full}) {
+      auto stated = bending_machine(random, {.gravity = gravity});
+      const auto bends = stated;
+      for (auto& leg : stated.legs) leg.bending = model::LegBending::rigid;
+      auto without = stated;
+      for (auto& leg : without.legs) {
+        leg.rod.diameter.reset();
+        leg.rod.wall.reset();
+        leg.cylinder_case.diameter.reset();
+        leg.cylinder_case.wall.reset();
+        leg.rod.youngs_modulus = model::Rod{}.youngs_modulus;
+      }
+      const auto& X = without.neutral();
+      const auto expected = dynamics::linear_model(without, X, kind);
+      const auto found = dynamics::linear_model(stated, X, kind);
+      EXPECT_EQ(found.M, expected.M);
+      EXPECT_EQ(found.K, expected.K);
+      EXPECT_EQ(found.C, expected.C);
+      for (std::size_t i = 0; i < model::leg_count; ++i)
+        EXPECT_EQ(found.statics.legs[i].flexible, expected.statics.legs[i].flexible);
+      if (kind != ModelKind::rigid) EXPECT_NE(dynamics::linear_model(bends, X, kind).K, expected.K);
+    }
+}
+
 TEST(LegBending, ChangesNothingOfRigidLegs) {
   Random random(48);
   const auto machine = bending_machine(random, {.gravity = Gravity::down});

@@ -263,6 +263,32 @@ TEST(Validation, BristlesOfJointsNeedFriction) {
   EXPECT_THAT(findings_about(machine), IsEmpty());
 }
 
+/// Of a line with a length the inertia follows; a number beside it may be of the same oil.
+TEST(Validation, OilInALineThatIsCountedTwiceIsAskedAbout) {
+  Machine machine = full_machine();
+  for (auto& leg : machine.legs) {
+    leg.added_axial_inertia = 13.7;
+    leg.oil_spring = {.cylinder = model::Cylinder{.cap_line_volume = 1.1e-3}};
+  }
+  const auto about_inertia = [&] {
+    std::vector<std::string> found;
+    for (const auto& finding : validate(machine))
+      if (finding.key.ends_with("added_axial_inertia")) {
+        EXPECT_EQ(finding.severity, base::Severity::warning);
+        found.push_back(finding.key + ": " + finding.message);
+      }
+    return found;
+  };
+  EXPECT_THAT(about_inertia(), IsEmpty());
+  machine.legs[3].oil_spring.cylinder->cap_line_length = 3.75;
+  EXPECT_THAT(about_inertia(),
+              ElementsAre("leg.4.added_axial_inertia: is 13.7 kg beside "
+                          "`oil_spring.cylinder.cap_line_length` = 3.75 m, from which the oil of "
+                          "this line has an inertia: is it counted twice?"));
+  machine.legs[3].added_axial_inertia = 0.0;
+  EXPECT_THAT(about_inertia(), IsEmpty());
+}
+
 TEST(Validation, ExactlyOneOilSpring) {
   Machine machine = full_machine();
   machine.legs[0].oil_spring.stiffness = 1e7;
