@@ -91,9 +91,10 @@ TEST(Brief, OneCauseIsOneLineHoweverManyPosesThereAre) {
   EXPECT_THAT(last_line(result.out), testing::AllOf(HasSubstr(" of 44 poses: neutral, "),
                                                     HasSubstr("cannot hold the load at all 44")));
   // the worst pose is named: 840 N/mm carry least with the rods far out
-  EXPECT_THAT(run_hydrapod({"check", heavy, "--brief"}).out,
-              HasSubstr("buckle with 2690 kg more on the platform (in all 1.19 times its mass) (pose "
-                        "neutral; also surge)\n"));
+  EXPECT_THAT(
+      run_hydrapod({"check", heavy, "--brief"}).out,
+      HasSubstr("buckle with 2690 kg more on the platform (in all 1.19 times its mass) (pose "
+                "neutral; also surge)\n"));
 }
 
 TEST(Brief, LeavesFilesOfOtherFormatsWhole) {
