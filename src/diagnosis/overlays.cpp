@@ -1,4 +1,4 @@
-#include "hydrapod/diagnosis/overlays.hpp"
+#include "hydrapod/diagnosis/diagnose.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -8,7 +8,7 @@
 #include <algorithm>
 
 #include "hydrapod/base/units.hpp"
-#include "hydrapod/diagnosis/overlays.hpp"
+#include "hydrapod/diagnosis/diagnose.hpp"
 #include "hydrapod/kinematics/legs.hpp"
 #include "hydrapod/observation/observation.hpp"
 #include "support/calibration_machine.hpp"

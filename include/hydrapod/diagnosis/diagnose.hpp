@@ -23,7 +23,11 @@
 /// computed again, gravity and preload included. Shares need not sum to one: two compliances in one
 /// leg do more together than either alone, and one leg alone stiffened breaks the symmetry.
 ///
-/// Results hold codes with data. Their words are made in `report`.
+/// How stiff the guide sleeves must be. The sleeves of all legs are scaled by one factor. Where
+/// today's do not meet the goal, the smallest factor is wanted from which on everything stiffer
+/// meets it at every pose; where they do, how much softer they might be. It is found downwards from
+/// nearly rigid (or today's) sleeves in steps of a tenth of a decade to the first that is too soft,
+/// then by bisection, to 1e-6 of itself. Results hold codes; their words are made in `report`.
 
 #include <array>
 #include <optional>
@@ -31,7 +35,6 @@
 #include <vector>
 
 #include "hydrapod/calibration/calibrate.hpp"
-#include "hydrapod/diagnosis/remedy.hpp"
 #include "hydrapod/dynamics/statics.hpp"
 #include "hydrapod/modal/mode_table.hpp"
 #include "hydrapod/model/machine_file.hpp"
@@ -370,6 +373,64 @@ struct AttributedDrop {
 std::vector<AttributedDrop> attribute_drops(const model::Machine& machine,
                                             const spatial::Pose& X_BP, dynamics::ModelKind kind);
 
+/// What is wanted: a frequency, or a largest drop below the rigid-leg model; one of the two.
+struct RemedyGoal {
+  std::optional<double> omega{};   ///< [rad/s] the first resonance must reach
+  std::optional<double> drop{};    ///< 0.02: at most 2 % below rigid
+  std::optional<int> direction{};  ///< 0…5; none: every direction
+};
+
+struct RemedyPoint {
+  double factor{};     ///< on today's stiffness
+  double stiffness{};  ///< of the stiffest leg's sleeve [N/m]
+  double omega{};      ///< lowest first resonance over poses and directions asked for [rad/s]
+  double drop{};       ///< largest drop
+  double mac{};        ///< FirstResonance::mac of the resonance with that drop
+  std::optional<double> softest{};  ///< as `stiffness`, of the softest leg where legs differ [N/m]
+};
+
+/// Stiffness of the guide sleeves [N/m] of the stiffest leg, and where legs differ of the softest.
+struct SleeveRange {
+  double stiffest{};
+  std::optional<double> softest{};
+};
+SleeveRange sleeves_of(const model::Machine& machine);
+
+enum class RemedyStatus {
+  found,
+  met_already,  ///< today's stiffness, or less, is enough
+  out_of_reach  ///< rigid sleeves would not be enough: `limit` is what they give
+};
+
+/// A first resonance before and after.
+struct Change {
+  std::string pose{}, direction{};                      ///< no direction: every one
+  double omega_rigid{}, omega_today{}, omega_needed{};  ///< [rad/s]; 0 where the legs fold
+  double mac_today{}, mac_needed{};                     ///< FirstResonance::mac
+};
+
+struct Remedy {
+  RemedyStatus status{};
+  RemedyPoint today{}, needed{}, limit{};
+  std::string pose{};       ///< that asks for the most
+  std::string direction{};  ///< and its direction; empty: every one
+  /// Where rods or cases bend: rigid sleeves and legs that do not bend. Beyond `limit` no sleeve
+  /// gets; up to this the rods are what stands in the way.
+  std::optional<RemedyPoint> limit_without_bending{};
+  std::vector<RemedyPoint> curve{};  ///< from a tenth of today's stiffness to what is nearly rigid
+  std::vector<Change> changes{};     ///< everywhere, with the stiffness that is needed
+};
+
+/// `poses`: at least one. Throws std::invalid_argument for a goal that says neither or both.
+/// `progress`: share of the work done; true asks to stop, and base::ComputationError says so.
+Remedy find_remedy(const model::Machine& machine, const std::vector<model::NamedPose>& poses,
+                   dynamics::ModelKind kind, const RemedyGoal& goal,
+                   const numerics::Progress& progress = {});
+
+/// Poses spread over what stroke and joints allow around the neutral one: its own, and where each
+/// of 26 directions of translation and of rotation ends at a limit (halfway there too).
+std::vector<model::NamedPose> workspace_poses(const model::Machine& machine);
+
 /// All that `hydrapod diagnose` finds out. Attribution and remedy are of the machine that explains
 /// the measurement best, of the nominal machine where nothing was measured or rigid legs explain
 /// it.
@@ -441,5 +502,38 @@ double unlisted_bic(const Diagnosis& d);
 
 /// s² as it comes out, below 1 too; 0 where nothing has more values than numbers.
 double raw_scatter2(const Diagnosis& d);
+
+// Measured responses beside those of hypotheses, for pictures. A curve is the size of the motion in
+// one direction: of forces and commands in the six directions the direct response, else the root of
+// the sum of squares over all inputs. Predictions are made at the measured lines, with the window
+// of the measurement, as the diagnosis compares them. Forces are known, and their curves stand as
+// they are. What a valve lets through for a command, and what a controller makes of one, is known
+// worse than how the platform then moves: such a prediction is multiplied by one factor over all
+// lines, which makes the mean difference of the logarithms zero.
+
+struct ResponseCurve {
+  int direction{};                 ///< of the motion, 0…5
+  std::vector<double> measured{};  ///< per line [m or rad, per input]
+  /// Per hypothesis asked for, and line; empty where its machine has no such response.
+  std::vector<std::vector<double>> predicted{};
+};
+
+struct ResponseOverlay {
+  std::string pose{};
+  observation::Entry entry{};
+  bool direct{};                ///< response to the input of the same direction, else of all inputs
+  bool scaled{};                ///< predictions are multiplied by one factor per curve
+  std::vector<double> omega{};  ///< [rad/s]
+  std::vector<ResponseCurve> curves{};  ///< x … rz
+};
+
+/// One per pose and entry of `measured`, whose lines reach from half the lowest measured mode to
+/// one and a half times the highest; every second, … of them where there are more than `most`.
+/// `stated`: model of the nominal machine. `hypotheses`: indices into Diagnosis::hypotheses.
+std::vector<ResponseOverlay> response_overlays(const model::MachineFile& file,
+                                               const observation::Targets& measured,
+                                               dynamics::ModelKind stated, const Diagnosis& found,
+                                               const std::vector<std::size_t>& hypotheses,
+                                               std::size_t most = 300);
 
 }  // namespace hydrapod::diagnosis

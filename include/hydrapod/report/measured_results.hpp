@@ -30,7 +30,7 @@
 #include "hydrapod/calibration/calibrate.hpp"
 #include "hydrapod/data/processing.hpp"
 #include "hydrapod/data/record_io.hpp"
-#include "hydrapod/diagnosis/overlays.hpp"
+#include "hydrapod/diagnosis/diagnose.hpp"
 #include "hydrapod/identification/cross_check.hpp"
 #include "hydrapod/identification/identify.hpp"
 #include "hydrapod/observation/pairing.hpp"
