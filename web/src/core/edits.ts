@@ -150,3 +150,6 @@ const quoted = (word: string): string =>
   /^[\w@%+=:,./-]+$/.test(word) ? word : `'${word.replaceAll("'", "'\\''")}'`;
 
 export const shellCommand = (words: string[]): string => words.map(quoted).join(' ');
+
+/** Instead of a command. */
+export const noCommand = 'No command leads to this machine: its numbers come from a diagnosis.';

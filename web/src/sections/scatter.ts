@@ -1,7 +1,7 @@
 // Scatter: what deviations of parameters do to the modes. The samples are those of `hydrapod montecarlo`.
 
 import { map, mapStatus, type Core, type Parameter, type Scatter as Request } from '../core/core';
-import { assignments, shellCommand } from '../core/edits';
+import { assignments, noCommand, shellCommand } from '../core/edits';
 import { beginWhenSeen, failureText, idle, sharedCore } from '../core/shared';
 import type { Editable } from '../document';
 import { button, html, identifier, onNewWidth, showCommand } from '../dom';
@@ -261,7 +261,7 @@ class Scatter {
   private command(): string {
     const { report, stated } = this.state;
     const { overrides, model } = report.editable as Editable;
-    if (!overrides) return 'No command leads to this machine: its numbers come from a diagnosis.';
+    if (!overrides) return noCommand;
     const { set, displaced, vary } = this.request!;
     const changed = assignments(new Map(set), this.core?.parameters ?? []);
     return shellCommand([

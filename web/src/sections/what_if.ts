@@ -1,7 +1,7 @@
 // What if: sliders on every number of the machine, calculated here by the library's own mechanics.
 
 import type { Buckling, Computed, Core, Setting } from '../core/core';
-import { assignments, displacementIn, Edits, fragmentOf, fromFragment, holdsState, settings, shellCommand, type Values } from '../core/edits';
+import { assignments, displacementIn, Edits, fragmentOf, fromFragment, holdsState, noCommand, settings, shellCommand, type Values } from '../core/edits';
 import { beginWhenSeen, failureText, sharedCore, touch } from '../core/shared';
 import { directions, type Editable, type PoseReport } from '../document';
 import { button, html, showCommand } from '../dom';
@@ -297,7 +297,7 @@ class WhatIf {
   private command(): string {
     const { report, stated } = this.state;
     const { overrides, model } = this.editable;
-    if (!overrides) return 'No command leads to this machine: its numbers come from a diagnosis.';
+    if (!overrides) return noCommand;
     const changed = assignments(this.edits.values, this.core?.parameters ?? []);
     return shellCommand([
       'hydrapod',

@@ -2,7 +2,7 @@
 // which the whole page shows the machine.
 
 import { map, mapStatus, type Core } from '../core/core';
-import { assignments, shellCommand } from '../core/edits';
+import { assignments, noCommand, shellCommand } from '../core/edits';
 import { beginWhenSeen, failureText, idle, sharedCore } from '../core/shared';
 import { directions, type Editable } from '../document';
 import { button, html, identifier, showCommand, slider, type Slider } from '../dom';
@@ -67,7 +67,7 @@ class Workspace {
     private readonly host: HTMLElement,
   ) {
     host.append(
-      html('p', { class: 'note' }, 'Each cell is a pose that this page calculates. Drag the cross or a slider: the whole page shows the machine at that pose. The other four directions stay where their sliders are.'),
+      html('p', { class: 'note' }, 'Each cell is a pose, calculated here. Drag the cross or a slider: the whole page shows the machine at that pose. The other four directions stay where their sliders are.'),
       html(
         'div',
         { class: 'workspace' },
@@ -196,16 +196,12 @@ class Workspace {
       const status = row[map.status] as number;
       const value = (name: string) => quantities.find(({ column }) => column === name)!.of(row);
       // a drop says little without what the mode holds of the motion and how high its peak is
-      const drop = (of: string, motion: string) => Number.isFinite(value(`drop${of}`))
-        ? `, drop by the seals ${fixed(value(`drop${of}`), 2)} % (${fixed(value(`share${of}`), 0)} % of the motion${motion}, peak ${significant(value(`peak${of}`), 2)} times that with rigid legs)`
-        : '';
-      const d = /_?(r?[xyz])$/.exec(this.quantity.column)?.[1];
-      const first = d === undefined || !Number.isFinite(value(d))
-        ? ''
-        : `; first resonance in ${d} ${value(d).toFixed(3)} Hz${drop(`_${d}`, ` in ${d}`)}`;
+      const drop = (of: string, motion: string) =>
+        `, drop ${fixed(value('drop' + of), 2)} % (${fixed(value('share' + of), 0)} % of the motion ${motion}, peak ${significant(value('peak' + of), 2)} times as high)`;
+      const d = /r?[xyz]$/.exec(this.quantity.column)?.[0];
       const text = status !== 0
         ? `: ${mapStatus[status]}.`
-        : `: lowest mode ${value('lowest').toFixed(3)} Hz (${(this.state.report.editable as Editable).frequencies}) in ${directions[(row[map.direction] as number) - 1]}${drop('', ' with rigid legs')}${first}${Number.isFinite(value('stroke')) ? `, stroke left ${value('stroke').toFixed(1)} mm` : ''}.`;
+        : `: lowest mode ${value('lowest').toFixed(3)} Hz (${(this.state.report.editable as Editable).frequencies}) in ${directions[(row[map.direction] as number) - 1]}${drop('', 'with rigid legs')}${d && value(d) ? `; first resonance in ${d} ${value(d).toFixed(3)} Hz${drop(`_${d}`, `in ${d}`)}` : ''}${Number.isFinite(value('stroke')) ? `, stroke left ${value('stroke').toFixed(1)} mm` : ''}.`;
       this.words.replaceChildren(this.words.firstChild as Node, text);
     });
   }
@@ -215,7 +211,7 @@ class Workspace {
     const other = this.fixed.map((value, d) => (d === this.across || d === this.up ? 0 : value));
     const row = await (this.core as Core).map(this.set ?? [], Float64Array.from(other));
     if (row[map.status] === 0) this.showCommandFrom(other);
-    else showCommand(this.commandLine, `No command has this map: at the pose ${poseText(other)}, from which it would follow the modes, there are none (${mapStatus[row[map.status] as number]}).`);
+    else showCommand(this.commandLine, `No command has this map: at the pose ${poseText(other)} there are no modes to follow (${mapStatus[row[map.status] as number]}).`);
   }
 
   private showCommandFrom(other: number[]): void {
@@ -225,7 +221,7 @@ class Workspace {
     if (!overrides || (turns > 1 && other.slice(3).some((value) => value !== 0))) {
       const none = overrides
         ? 'hydrapod map counts rotations from the pose of --pose: no command has this slice.'
-        : 'No command leads to this machine: its numbers come from a diagnosis.';
+        : noCommand;
       showCommand(this.commandLine, none);
       return;
     }

@@ -20,15 +20,18 @@ const column = (name: string, column: string, at: number, unit: string, factor =
   of: (row) => factor * (row[at] as number),
 });
 
+/** Of the lowest mode, and of the first resonances. */
+const ofModes = (name: string, of: 'drop' | 'share' | 'peak', unit: string, factor: number): Quantity[] => [
+  column(`${name} of the lowest mode`, of, map[of], unit, factor),
+  ...directions.map((d, k) => column(`${name} of the first resonance in ${d}`, `${of}_${d}`, map[`${of}s`] + k, unit, factor)),
+];
+
 export const quantities: Quantity[] = [
   column('Lowest mode', 'lowest', map.lowest, 'Hz'),
   ...directions.map((d, k) => column(`First resonance in ${d}`, d, map.first + k, 'Hz')),
-  column('Drop of the lowest mode by the seals', 'drop', map.drop, '%', 100),
-  ...directions.map((d, k) => column(`Drop of the first resonance in ${d}`, `drop_${d}`, map.drops + k, '%', 100)),
-  column('Share of the lowest mode', 'share', map.share, '%', 100),
-  ...directions.map((d, k) => column(`Share of the first resonance in ${d}`, `share_${d}`, map.shares + k, '%', 100)),
-  column('Peak of the lowest mode relative to rigid legs', 'peak', map.peak, ''),
-  ...directions.map((d, k) => column(`Peak of the first resonance in ${d} relative to rigid legs`, `peak_${d}`, map.peaks + k, '')),
+  ...ofModes('Drop', 'drop', '%', 100),
+  ...ofModes('Share', 'share', '%', 100),
+  ...ofModes('Peak', 'peak', '', 1),
   column('Stroke left', 'stroke', map.stroke, 'mm', 1e3),
 ];
 
