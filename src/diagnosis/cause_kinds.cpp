@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <array>
 
-#include "hydrapod/diagnosis/diagnose.hpp"
+#include "evidence.hpp"
 
 namespace hydrapod::diagnosis {
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "evidence.hpp"
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/diagnosis/diagnose.hpp"
 #include "hydrapod/dynamics/linear_model.hpp"

@@ -8,6 +8,12 @@
 
 namespace hydrapod::diagnosis {
 
+/// All causes of a machine.
+std::vector<Cause> causes_of(const model::MachineFile& file);
+
+/// Can both be the cause at once, and are they worth being tried together?
+bool can_be_together(const Cause& a, const Cause& b);
+
 /// Why no machine with modes, or no plant, has the numbers that `task` meets; none: it is done.
 template <class Task>
 std::optional<std::string> why_impossible(const Task& task) {

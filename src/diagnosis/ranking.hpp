@@ -8,6 +8,33 @@
 
 namespace hydrapod::diagnosis {
 
+/// s above which even the best hypothesis is none, and above which machine and data may not even
+/// belong together. The right hypothesis has s = 1, where deviations are right.
+inline constexpr double no_explanation = 2.0, another_machine = 5.0;
+
+/// probability < least_probability: the hypothesis does not explain the data, and nothing is
+/// identified by it. Of a pair of causes five times as much is asked: it is the best of some
+/// hundred, which meet what they are not the cause of more often than a single cause does.
+inline constexpr double least_probability = 0.01, least_probability_of_pair = 0.05;
+/// BIC > unlisted_bic − over_unlisted: no better than a cause that is no candidate. There are more
+/// causes than candidates: odds of 20 : 1 besides those of `same`.
+inline constexpr double over_unlisted = 2.0 * same;
+/// A measured frequency that is more deviations from the nominal machine's is not that machine's:
+/// moved_frequencies().
+inline constexpr double moved_by = 3.0;
+/// Probability from which on values are those of the nominal machine; χ² beyond is 1 chance in 10.
+inline constexpr double usual_frequencies = 0.1;
+
+/// BIC of a cause that is no candidate: it moves every value of a kind by an amount of its own,
+/// normally distributed about the nominal machine's with a variance that the data determine,
+///
+///     Σ over kinds  n (1 + ln(χ²/n)) + ln(all values)   where χ² > n, else χ²
+///
+/// with χ² of the nominal machine (the least over n and 1 + ln of Σ [d²/(1 + τ²) + ln(1 + τ²)], d
+/// in deviations). A candidate that does not beat it by more than over_unlisted explains no
+/// more than chance does.
+double unlisted_bic(const Diagnosis& d);
+
 /// 2 ln C(N, m) of a hypothesis that holds m of N causes.
 double hypothesis_penalty(std::size_t causes, std::size_t held);
 

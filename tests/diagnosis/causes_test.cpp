@@ -1,6 +1,7 @@
 /// Causes: every machine has all of them, each changes the model, and each is a hypothesis that
 /// holds the machine as stated.
 
+#include "diagnosis/evidence.hpp"
 #include "hydrapod/diagnosis/diagnose.hpp"
 
 #include <gmock/gmock.h>

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "blind_series.hpp"
+#include "diagnosis/evidence.hpp"
 
 namespace hydrapod::diagnosis {
 namespace {

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "diagnosis/evidence.hpp"
 #include "support/other_legs.hpp"
 #include "support/unlisted_causes.hpp"
 

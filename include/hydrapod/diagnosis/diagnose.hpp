@@ -11,9 +11,8 @@
 /// prior that gives every number of causes the same odds: with many causes one of them fits
 /// noise by chance); s ≥ 1: by what the deviations are too small, from the hypothesis that fits
 /// best for its number of parameters. Two that differ by less than `same` cannot be told apart by
-/// the data, and no cause is identified unless it beats the nominal machine by more than that. As
-/// many numbers as there are values explain any values: a hypothesis with so many is neither
-/// identified nor says how exact the data are. Theory: docs/theory/diagnosis.md.
+/// the data, and no cause is identified unless it beats the nominal machine by more than that. A
+/// hypothesis with as many numbers as values is not identified. Theory: docs/theory/diagnosis.md.
 ///
 /// Causes are named changes of the model, each with numbers of its own. To add one, add its Kind
 /// and its maker in src/diagnosis/causes.cpp, and its words in src/report/diagnosis_words.cpp.
@@ -26,8 +25,9 @@
 /// How stiff the guide sleeves must be. The sleeves of all legs are scaled by one factor. Where
 /// today's do not meet the goal, the smallest factor is wanted from which on everything stiffer
 /// meets it at every pose; where they do, how much softer they might be. It is found downwards from
-/// nearly rigid (or today's) sleeves in steps of a tenth of a decade to the first that is too soft,
-/// then by bisection, to 1e-6 of itself. Results hold codes; their words are made in `report`.
+/// nearly rigid (or today's) sleeves in steps of a tenth of a decade, then by bisection, to 1e-6.
+///
+/// Results hold codes with data. Their words are made in `report`.
 
 #include <array>
 #include <optional>
@@ -43,8 +43,7 @@
 
 namespace hydrapod::diagnosis {
 
-/// The machine whose base stands still and whose gimbals and payload are rigid:
-/// with its rigid model it is the rigid-leg model.
+/// Base, gimbals and payload made rigid: its rigid model is the rigid-leg model.
 model::Machine without_mount_and_gimbals(model::Machine machine);
 
 /// Least share (MAC) of a rigid mode in a mode that is compared with it.
@@ -52,10 +51,8 @@ inline constexpr double resonance_mac = 0.1;
 
 struct ResonanceOptions {
   /// share ≥ max(least, of_largest × the largest share): the mode is a resonance of this direction.
-  /// At equal damping ratios a peak is as high as share/ω², so that a lower mode with half of the
-  /// largest share has at least half the peak of any mode above it. Of two modes that share a
-  /// direction evenly the lower one counts. A mode below with a smaller share may have a high peak
-  /// too: FirstResonance::below.
+  /// At equal damping ratios a peak is as high as share/ω²: half of the largest share is at least
+  /// half the peak of any mode above. A lower mode may have a high peak too: FirstResonance::below.
   double of_largest{0.5};
   double least{};
 };
@@ -151,18 +148,8 @@ struct Cause {
   [[nodiscard]] bool in_pairs() const;
 };
 
-/// All causes of a machine.
-std::vector<Cause> causes_of(const model::MachineFile& file);
-
-/// Can both be the cause at once, and are they worth being tried together?
-bool can_be_together(const Cause& a, const Cause& b);
-
 /// Difference of the BIC up to which hypotheses count as equally good (odds of 20 : 1).
 inline constexpr double same = 6.0;
-
-/// s above which even the best hypothesis is none, and above which machine and data may not even
-/// belong together. The right hypothesis has s = 1, where deviations are right.
-inline constexpr double no_explanation = 2.0, another_machine = 5.0;
 
 /// How near a model with the right numbers comes to a real machine: added (root of the sum of
 /// squares) to what the measurement says of its own errors.
@@ -222,7 +209,6 @@ struct Hypothesis {
   /// mechanics to it of the nominal machine.
   bool by_mechanics{};
   std::vector<Contradiction> wrong{};  ///< worst first
-
   /// Its parameters started at the values of the file.
   bool from_nominal{true};
   /// At which entrained air is compressed [Pa]; none: air is no candidate.
@@ -414,8 +400,7 @@ struct Remedy {
   RemedyPoint today{}, needed{}, limit{};
   std::string pose{};       ///< that asks for the most
   std::string direction{};  ///< and its direction; empty: every one
-  /// Where rods or cases bend: rigid sleeves and legs that do not bend. Beyond `limit` no sleeve
-  /// gets; up to this the rods are what stands in the way.
+  /// Where rods or cases bend: rigid sleeves and legs that do not. The rods make the difference.
   std::optional<RemedyPoint> limit_without_bending{};
   std::vector<RemedyPoint> curve{};  ///< from a tenth of today's stiffness to what is nearly rigid
   std::vector<Change> changes{};     ///< everywhere, with the stiffness that is needed
@@ -431,9 +416,8 @@ Remedy find_remedy(const model::Machine& machine, const std::vector<model::Named
 /// of 26 directions of translation and of rotation ends at a limit (halfway there too).
 std::vector<model::NamedPose> workspace_poses(const model::Machine& machine);
 
-/// All that `hydrapod diagnose` finds out. Attribution and remedy are of the machine that explains
-/// the measurement best, of the nominal machine where nothing was measured or rigid legs explain
-/// it.
+/// All that `hydrapod diagnose` finds out. Attribution and remedy are of the best hypothesis, or
+/// of the nominal machine where nothing was measured or rigid legs explain it.
 struct CaseFile {
   std::optional<Diagnosis> diagnosis{};
   model::Machine machine{};       ///< the one that attribution and remedy are of
@@ -469,48 +453,25 @@ struct Goodness {
 
 Goodness goodness(const Diagnosis& d, const Hypothesis& hypothesis);
 
-/// Measured frequencies that the nominal machine does not have, see moved_by.
+/// Measured frequencies that are more than three deviations from the nominal machine's.
 int moved_frequencies(const Diagnosis& d);
 
 /// None: it explains what was measured. Called on ranked hypotheses.
 std::optional<Unexplained> why_unexplained(const Diagnosis& d, const Hypothesis& hypothesis);
 
-/// probability < least_probability: the hypothesis does not explain the data, and nothing is
-/// identified by it. Of a pair of causes five times as much is asked: it is the best of some
-/// hundred, which meet what they are not the cause of more often than a single cause does.
-inline constexpr double least_probability = 0.01, least_probability_of_pair = 0.05;
-/// BIC > unlisted_bic − over_unlisted: no better than a cause that is no candidate. There are more
-/// causes than candidates: odds of 20 : 1 besides those of `same`.
-inline constexpr double over_unlisted = 2.0 * same;
 /// Frequencies − numbers < tested_by: as many numbers as frequencies, or one less, meet any. Of a
 /// pair of causes moved_frequencies ≤ numbers too: the best of some hundred pairs may meet one by
-/// one the frequencies that are not the nominal machine's, by more than moved_by deviations.
+/// one the frequencies that are not the nominal machine's.
 inline constexpr int tested_by = 2;
-inline constexpr double moved_by = 3.0;
-/// Probability from which on values are those of the nominal machine; χ² beyond is 1 chance in 10.
-inline constexpr double usual_frequencies = 0.1;
-
-/// BIC of a cause that is no candidate: it moves every value of a kind by an amount of its own,
-/// normally distributed about the nominal machine's with a variance that the data determine,
-///
-///     Σ over kinds  n (1 + ln(χ²/n)) + ln(all values)   where χ² > n, else χ²
-///
-/// with χ² of the nominal machine (the least over n and 1 + ln of Σ [d²/(1 + τ²) + ln(1 + τ²)], d
-/// in deviations). A candidate that does not beat it by more than over_unlisted explains no
-/// more than chance does.
-double unlisted_bic(const Diagnosis& d);
 
 /// s² as it comes out, below 1 too; 0 where nothing has more values than numbers.
 double raw_scatter2(const Diagnosis& d);
 
-// Measured responses beside those of hypotheses, for pictures. A curve is the size of the motion in
-// one direction: of forces and commands in the six directions the direct response, else the root of
-// the sum of squares over all inputs. Predictions are made at the measured lines, with the window
-// of the measurement, as the diagnosis compares them. Forces are known, and their curves stand as
-// they are. What a valve lets through for a command, and what a controller makes of one, is known
-// worse than how the platform then moves: such a prediction is multiplied by one factor over all
-// lines, which makes the mean difference of the logarithms zero.
-
+/// Size of the motion in one direction: of forces and commands in the six directions the direct
+/// response, else the root of the sum of squares over all inputs. Predictions are as the diagnosis
+/// compares them. What a valve or a controller makes of a command is known worse than how the
+/// platform then moves: they are then multiplied by one factor over all lines, which makes the mean
+/// difference of the logarithms zero.
 struct ResponseCurve {
   int direction{};                 ///< of the motion, 0…5
   std::vector<double> measured{};  ///< per line [m or rad, per input]
