@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "equivalent_cylinder.hpp"
-#include "hydrapod/hydraulics/modal_line.hpp"
+#include "hydrapod/hydraulics/lines.hpp"
 #include "hydrapod/hydraulics/servo_axis.hpp"
 
 namespace hydrapod::hydraulics {
@@ -98,20 +98,17 @@ void assume_lines(const model::Machine& machine, std::vector<Assumption>& all) {
   std::vector<double> diameters, waves;
   for (int i = 0; i < leg_count; ++i) {
     const auto& given = machine.legs[i].oil_spring.cylinder;
-    const auto lines = segmented_lines(machine, i);
-    const auto modal = modal_lines(machine, i);
-    const auto add = [&](const auto& line, double pieces, double length) {
-      if (line.states() == 0) return;
-      const double section = pieces * line.volume / length;
-      const double compliance = line.volume / effective_bulk_modulus(*given) + line.compliance;
-      diameters.push_back(2.0 * std::sqrt(section / std::numbers::pi));
-      waves.push_back(0.25 / (pieces * std::sqrt(line.inertance * compliance)));
-    };
     if (!given) continue;
-    add(lines.cap, lines.cap.segments, given->cap_line_length);
-    add(lines.rod, lines.rod.segments, given->rod_line_length);
-    add(modal.cap, 1.0, given->cap_line_length);
-    add(modal.rod, 1.0, given->rod_line_length);
+    const auto lines = leg_lines(machine, i);
+    const auto add = [&](const Line& line, double length, double volume, double of_wall) {
+      if (states(line) == 0) return;
+      const double section = volume / length;
+      const double compliance = volume / effective_bulk_modulus(*given) + of_wall;
+      diameters.push_back(2.0 * std::sqrt(section / std::numbers::pi));
+      waves.push_back(0.25 / std::sqrt(given->density * length / section * compliance));
+    };
+    add(lines.cap, given->cap_line_length, given->cap_line_volume, given->cap_line_compliance);
+    add(lines.rod, given->rod_line_length, given->rod_line_volume, given->rod_line_compliance);
   }
   if (waves.empty()) return;
   all.push_back({"lines", fmt::format("round pipes of {} mm by their volumes and lengths; quarter "

@@ -6,51 +6,18 @@ namespace hydrapod::simulation {
 
 using model::leg_count;
 
-namespace {
-
-/// Its pressure falls evenly from the valve to the chamber.
-void steady_line(const hydraulics::SegmentedLine& line, double at_valve, double in_chamber,
-                 double flow, double* state) {
-  for (int j = 0; j < line.segments; ++j) {
-    state[j] = at_valve + (in_chamber - at_valve) * j / line.segments;
-    state[line.segments + j] = flow;
-  }
-}
-
-}  // namespace
-
-template <class Each>
-void Plant::for_lines(const Each& each) const {
-  if (layout_.line_states == 0) return;
-  const bool modal = machine_.hydraulics.lines.modes > 0.0;
-  for (size_t k = 0; k < layout_.lines.size(); ++k) {
-    const int first = layout_.lines[k];
-    if (first < 0) continue;
-    const bool cap = k % 2 == 0;
-    const auto& segmented = lines_[k / 2];
-    const auto& of_modes = modal_lines_[k / 2];
-    if (modal)
-      each(cap ? of_modes.cap : of_modes.rod, k, first);
-    else
-      each(cap ? segmented.cap : segmented.rod, k, first);
-  }
-}
-
 /// After pressures, spools, supply and bristles in the state.
 void Plant::set_lines() {
   if (layout_.pressures < 0) return;
   for (size_t i = 0; i < leg_count; ++i) {
-    lines_[i] = hydraulics::segmented_lines(machine_, static_cast<int>(i));
+    lines_[i] = hydraulics::leg_lines(machine_, static_cast<int>(i));
     hydraulics::take_out_lines(lines_[i], axes_[i]);
-    modal_lines_[i] = hydraulics::modal_lines(machine_, static_cast<int>(i));
-    hydraulics::take_out_lines(modal_lines_[i], axes_[i]);
-    const std::array states{lines_[i].cap.states() + modal_lines_[i].cap.states(),
-                            lines_[i].rod.states() + modal_lines_[i].rod.states()};
     for (const size_t side : {0, 1}) {
-      if (states[side] == 0) continue;
+      const int states = hydraulics::states(side == 0 ? lines_[i].cap : lines_[i].rod);
+      if (states == 0) continue;
       layout_.lines[2 * i + side] = layout_.size;
-      layout_.line_states = states[side];
-      layout_.size += states[side];
+      layout_.line_states = states;
+      layout_.size += states;
     }
   }
 }
@@ -76,8 +43,9 @@ void Plant::lines_at_rest(int leg, const hydraulics::HydraulicRest& oil,
   for_lines([&](const auto& line, size_t chamber, int first) {
     if (static_cast<int>(chamber / 2) != leg) return;
     const bool cap = chamber % 2 == 0;
-    steady_line(line, cap ? oil.valve_pressure.cap : oil.valve_pressure.rod,
-                cap ? oil.p_cap : oil.p_rod, cap ? flows.cap : flows.rod, x.data() + first);
+    hydraulics::steady_line(line, cap ? oil.valve_pressure.cap : oil.valve_pressure.rod,
+                            cap ? oil.p_cap : oil.p_rod, cap ? flows.cap : flows.rod,
+                            x.data() + first);
   });
 }
 

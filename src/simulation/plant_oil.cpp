@@ -7,20 +7,6 @@
 
 namespace hydrapod::simulation {
 
-namespace {
-
-/// each(leg, cap side?, first state) of the lines with waves.
-template <class Each>
-void for_line_ends(const StateLayout& layout, const Each& each) {
-  if (layout.line_states == 0) return;
-  for (int k = 0; k < 2 * model::leg_count; ++k) {
-    const int first = layout.lines[static_cast<size_t>(k)];
-    if (first >= 0) each(k / 2, k % 2 == 0, first);
-  }
-}
-
-}  // namespace
-
 void Plant::set_oil_constants(const Pose& X_reference) {
   auto constants = std::make_shared<OilConstants>();
   constants->axis = hydraulics::side_by_side(axes_);
@@ -58,12 +44,12 @@ OilState Plant::oil_state(const dynamics::Motion& motion, const double* x,
   state.cap_port = state.p_cap;
   state.rod_port = state.p_rod;
   state.x = x;
-  for_line_ends(layout_, [&](int i, bool cap, int first) {
-    const auto& modal = cap ? modal_lines_[i].cap : modal_lines_[i].rod;
-    const double chamber = (cap ? state.p_cap : state.p_rod)[i];
+  for_lines([&](const auto& line, size_t chamber, int first) {
+    const int i = static_cast<int>(chamber / 2);
+    const bool cap = chamber % 2 == 0;
+    const double pressure = (cap ? state.p_cap : state.p_rod)[i];
     (cap ? state.cap_port : state.rod_port)
-        .set(i,
-             modal.modes == 0 ? x[first] : hydraulics::valve_pressure(modal, x + first, chamber));
+        .set(i, hydraulics::valve_pressure(line, x + first, pressure));
   });
   state.bristle = 0.0;
   if (layout_.bristles >= 0) state.bristle = at([&](int i) { return layout_.bristles + i; });
@@ -84,12 +70,12 @@ OilRates Plant::oil_rates(const OilState& state) const {
       axis.valve, state.spool, {state.supply_pressure, back, state.cap_port, state.rod_port});
   out.cap_inflow = flows.cap;
   out.rod_inflow = flows.rod;
-  for_line_ends(layout_, [&](int i, bool cap, int first) {
-    const auto& modal = cap ? modal_lines_[i].cap : modal_lines_[i].rod;
+  for_lines([&](const auto& line, size_t chamber, int first) {
+    const int i = static_cast<int>(chamber / 2);
+    const bool cap = chamber % 2 == 0;
     const double at_valve = (cap ? flows.cap : flows.rod)[i];
     (cap ? out.cap_inflow : out.rod_inflow)
-        .set(i, modal.modes == 0 ? state.x[first + layout_.line_states - 1]
-                                 : hydraulics::chamber_inflow(modal, state.x + first, at_valve));
+        .set(i, hydraulics::chamber_inflow(line, state.x + first, at_valve));
   });
   out.internal_leakage = axis.internal_leakage * (state.p_cap - state.p_rod);
   const Lanes cap_out = axis.external_leakage * (state.p_cap - atmosphere);

@@ -74,10 +74,9 @@ double Plant::hold(const dynamics::StaticEquilibrium& statics, const model::Supp
   double drawn = 0.0;
   for (int i = 0; i < leg_count; ++i) {
     const double force = 0.0 - statics.legs[i].oil_force;
-    const auto& modal = modal_lines_[i];
     const auto oil = hydraulics::hydraulic_rest(
         axes_[i], supply, force,
-        {lines_[i].cap.loss() + modal.cap.loss(), lines_[i].rod.loss() + modal.rod.loss()});
+        {hydraulics::loss(lines_[i].cap), hydraulics::loss(lines_[i].rod)});
     require_rest(i, oil, force, supply.pressure);
     rest.x[layout_.cap(i)] = oil.p_cap;
     rest.x[layout_.rod(i)] = oil.p_rod;

@@ -44,6 +44,18 @@ struct OilRates {
   Lanes oil_force, friction_force, stop_force;
 };
 
+template <class Each>
+void Plant::for_lines(const Each& each) const {
+  if (layout_.line_states == 0) return;
+  for (size_t k = 0; k < layout_.lines.size(); ++k) {
+    const int first = layout_.lines[k];
+    if (first < 0) continue;
+    const auto& of_leg = lines_[k / 2];
+    std::visit([&](const auto& line) { each(line, k, first); },
+               k % 2 == 0 ? of_leg.cap : of_leg.rod);
+  }
+}
+
 struct Plant::Work {
   dynamics::Motion motion;  ///< braces would set its legs, 6 kB, to zero
   OilState oil_state;

@@ -8,7 +8,7 @@
 #include <complex>
 #include <numbers>
 
-#include "hydrapod/hydraulics/servo_axis.hpp"
+#include "hydrapod/hydraulics/lines.hpp"
 #include "support/loop_machine.hpp"
 #include "support/random.hpp"
 
@@ -35,10 +35,10 @@ SegmentedLine line_of(double segments, double viscosity) {
                                                         .rod_line_length = length,
                                                         .rod_line_compliance = hose,
                                                         .density = density};
-  const auto lines = segmented_lines(machine, 2);
-  EXPECT_EQ(lines.cap.segments, 0);
-  EXPECT_EQ(segmented_lines(machine, 1).rod.segments, 0);
-  return lines.rod;
+  const auto lines = leg_lines(machine, 2);
+  EXPECT_EQ(states(lines.cap), 0);
+  EXPECT_EQ(states(leg_lines(machine, 1).rod), 0);
+  return std::get<SegmentedLine>(lines.rod);
 }
 
 /// ẋ = A x + b Q of the line with the chamber, whose pressure is the last state; flows in shares of

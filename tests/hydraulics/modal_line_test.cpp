@@ -10,7 +10,7 @@
 #include <complex>
 #include <numbers>
 
-#include "hydrapod/hydraulics/modal_line.hpp"
+#include "hydrapod/hydraulics/lines.hpp"
 #include "support/loop_machine.hpp"
 #include "support/random.hpp"
 
@@ -45,12 +45,12 @@ struct Pipe {
     return machine;
   }
   [[nodiscard]] ModalLine of_modes(int N) const {
-    const auto lines = modal_lines(machine({.modes = static_cast<double>(N)}), 4);
-    EXPECT_EQ(lines.rod.modes, 0);
-    return lines.cap;
+    const auto lines = leg_lines(machine({.modes = static_cast<double>(N)}), 4);
+    EXPECT_EQ(states(lines.rod), 0);
+    return std::get<ModalLine>(lines.cap);
   }
   [[nodiscard]] SegmentedLine of_segments(int N) const {
-    return segmented_lines(machine({.segments = static_cast<double>(N)}), 4).cap;
+    return std::get<SegmentedLine>(leg_lines(machine({.segments = static_cast<double>(N)}), 4).cap);
   }
 
   /// Pressures [Pa] at the valve and in the chamber per flow of the valve [m³/s].

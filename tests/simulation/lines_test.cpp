@@ -67,11 +67,7 @@ TEST_P(LinePoles, AreThoseOfTheExactLineByTheSecondOrder) {
   RecordProperty("worst_of_eight_segments", fmt::format("{:.2e}", worst));
 }
 
-INSTANTIATE_TEST_SUITE_P(, LinePoles,
-                         testing::Values(ValveCase{"shut", 0.07, 0.0, 0.0},
-                                         ValveCase{"shut_with_loss", 0.07, 0.0, 0.31},
-                                         ValveCase{"leaking", 0.0, 31e-6, 0.04},
-                                         ValveCase{"underlap", -0.11, 1e-6, 0.13}));
+INSTANTIATE_TEST_SUITE_P(, LinePoles, exact_lines::valve_cases());
 
 /// Far below the first wave, a shut valve's line is the inertia of a dead end.
 TEST(Lines, ThatAreSlowAreDeadEnds) {
@@ -121,8 +117,18 @@ TEST(Lines, StandInTheStateInTheOrderOfTheChambers) {
   EXPECT_EQ(springs.layout().line_states, 0);
 }
 
-TEST(Lines, HavePolesOfTheirOwn) {
-  const auto machine = with_lines(3, 0.04);
+/// Chains of segments and modes.
+class LinesWithWaves : public testing::TestWithParam<model::Lines> {
+ protected:
+  [[nodiscard]] static Machine machine(double viscosity) {
+    auto lines = GetParam();
+    lines.viscosity = viscosity;
+    return with_lines(lines);
+  }
+};
+
+TEST_P(LinesWithWaves, HavePolesOfTheirOwn) {
+  const auto machine = this->machine(0.04);
   const auto system = linear_system(machine, machine.neutral(), {.sampled = false});
   const auto poles = system_poles(system);
   int waves = 0;
@@ -133,9 +139,9 @@ TEST(Lines, HavePolesOfTheirOwn) {
   EXPECT_TRUE(poles.stable);
 }
 
-TEST(Lines, RestAtTheEquilibrium) {
+TEST_P(LinesWithWaves, RestAtTheEquilibrium) {
   for (const bool pump : {false, true}) {
-    auto machine = with_lines(3, 1.7);  // thick oil: a loss that is seen
+    auto machine = this->machine(1.7);  // thick oil: a loss that is seen
     for (auto& leg : machine.legs) {
       leg.hydraulics.leakage = {.internal = 5.1e-12, .external = 0.7e-12};
       leg.hydraulics.valve.leakage = 23e-6;
@@ -157,6 +163,12 @@ TEST(Lines, RestAtTheEquilibrium) {
     EXPECT_NEAR(out.line_dissipation, loss, 1e-8 * loss);
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(, LinesWithWaves,
+                         testing::Values(model::Lines{.segments = 3.0}, model::Lines{.modes = 3.0}),
+                         [](const auto& test) {
+                           return test.param.modes > 0.0 ? "modes" : "segments";
+                         });
 
 // ---- Motion ---------------------------------------------------------------------------------
 IntegratorOptions with(Method method, double tolerance) {

@@ -9,7 +9,6 @@
 #include <complex>
 
 #include "hydrapod/base/error.hpp"
-#include "hydrapod/simulation/linear_system.hpp"
 #include "support/exact_lines.hpp"
 
 namespace hydrapod::simulation {
@@ -60,11 +59,7 @@ TEST_P(ModalLinePoles, AreCloserToThoseOfTheExactLineThanThoseOfSegments) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(, ModalLinePoles,
-                         testing::Values(exact_lines::ValveCase{"shut", 0.07, 0.0, 0.0},
-                                         exact_lines::ValveCase{"shut_with_loss", 0.07, 0.0, 0.31},
-                                         exact_lines::ValveCase{"leaking", 0.0, 31e-6, 0.04},
-                                         exact_lines::ValveCase{"underlap", -0.11, 1e-6, 0.13}));
+INSTANTIATE_TEST_SUITE_P(, ModalLinePoles, exact_lines::valve_cases());
 
 TEST(ModalLines, StandInTheStateAsSegmentsDo) {
   auto machine = with_line_modes(2, 0.04);
@@ -80,31 +75,6 @@ TEST(ModalLines, StandInTheStateAsSegmentsDo) {
                                    "leg2.rod_line.mode_q0", "leg2.rod_line.mode_q1"));
   EXPECT_EQ(units[at + 1], "Pa");
   EXPECT_EQ(units[at + 2], "m^3/s");
-}
-
-TEST(ModalLines, RestAtTheEquilibrium) {
-  for (const bool pump : {false, true}) {
-    auto machine = with_line_modes(3, 1.7);  // thick oil: a loss that is seen
-    for (auto& leg : machine.legs) {
-      leg.hydraulics.leakage = {.internal = 5.1e-12, .external = 0.7e-12};
-      leg.hydraulics.valve.leakage = 23e-6;
-    }
-    if (pump) machine.hydraulics.supply.pump_flow = 5e-3;
-    const Plant plant(machine, ModelKind::guide);
-    const auto rest = plant.equilibrium(exact_lines::tilted(machine));
-    Eigen::VectorXd rate(plant.layout().size);
-    ASSERT_TRUE(plant.derivative(0.0, rest.x.data(), rest.input, rate.data()));
-    EXPECT_LT(rate.cwiseQuotient(plant.scales()).lpNorm<Eigen::Infinity>(), 1e-6);
-    const auto out = plant.outputs(rest.x.data(), rest.input);
-    double loss = 0.0;
-    for (const auto& leg : out.legs) {
-      EXPECT_GT(leg.cap_valve_pressure - leg.cap_pressure, 100.0);
-      EXPECT_NEAR(leg.cap_inflow, leg.cap_flow, 1e-9 * leg.cap_flow);
-      loss += (leg.cap_valve_pressure - leg.cap_pressure) * leg.cap_flow +
-              (leg.rod_valve_pressure - leg.rod_pressure) * leg.rod_flow;
-    }
-    EXPECT_NEAR(out.line_dissipation, loss, 1e-8 * loss);
-  }
 }
 
 /// Valves that open and close far: the motion of many segments is approached by a few modes.
@@ -130,15 +100,8 @@ TEST(ModalLines, MoveAsManySegments) {
   EXPECT_LT(modes, 0.2 * off(four));
 }
 
-TEST(ModalLines, HavePolesOfTheirOwnAndNeedShortSteps) {
+TEST(ModalLines, NeedShortSteps) {
   const auto machine = with_line_modes(3, 0.04);
-  const auto system = linear_system(machine, machine.neutral(), {.sampled = false});
-  const auto poles = system_poles(system);
-  int waves = 0;
-  for (const auto& pole : poles.poles)
-    waves += pole.oscillates() && pole.parts[static_cast<std::size_t>(Part::line)] > 0.5 ? 1 : 0;
-  EXPECT_GE(waves, 12);
-  EXPECT_TRUE(poles.stable);
   try {
     const ClosedLoop loop(
         machine, machine.neutral(),

@@ -184,6 +184,11 @@ struct ValveCase {
   double overlap, leakage, viscosity;
 };
 inline void PrintTo(const ValveCase& test, std::ostream* out) { *out << test.name; }
+inline auto valve_cases() {
+  return testing::Values(
+      ValveCase{"shut", 0.07, 0.0, 0.0}, ValveCase{"shut_with_loss", 0.07, 0.0, 0.31},
+      ValveCase{"leaking", 0.0, 31e-6, 0.04}, ValveCase{"underlap", -0.11, 1e-6, 0.13});
+}
 
 /// After 40 ms with the commands of all valves changed by `size` times some pattern.
 inline VectorXd moved(const Plant& plant, double size, const IntegratorOptions& options) {

@@ -73,8 +73,7 @@ struct Loads {
   /// axis: what their moment is too small by [N m]. Used with `seals_press` only.
   Vector6 frame_moment{Vector6::Zero()};
   bool seals_press{};
-  /// Torques [N m] of what sticks in the legs' joints, against the rates of
-  /// LegJoints. Used with
+  /// Torques [N m] of what sticks in the legs' joints, against the rates of LegJoints. Used with
   /// `joints_stick` only.
   std::array<Vector2, model::leg_count> base_joint{}, platform_joint{};
   bool joints_stick{};

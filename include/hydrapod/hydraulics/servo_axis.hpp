@@ -440,46 +440,11 @@ struct Assumption {
 /// None for legs without hydraulics.
 std::vector<Assumption> hydraulic_assumptions(const model::Machine& machine);
 
-/// A line between valve and chamber as a chain of N equal segments: oil that moves between nodes
-/// that give way. Node 0 is the valve's end and node N the chamber; the nodes at both ends have the
-/// oil of half a segment.
-///
-///     C_j ṗ_j = q_j − q_{j+1},  q_0 = Q of the valve      C_j = V_seg/β(p_j) + c_seg, C_0 half
-///     I q̇_j = p_{j−1} − p_j − R q_j                       I = ρ L/(A N),  A = V_line/L
-///     R = 8π μ L/(A² N)                                   laminar flow in a round pipe
-///
-/// Oil moves slowly beside sound: ½ρv² is left out.
-struct SegmentedLine {
-  int segments{};       ///< N; 0: no line with waves
-  double volume{};      ///< V_seg [m³] of a segment
-  double compliance{};  ///< c_seg [m³/Pa] of a segment's wall
-  double inertance{};   ///< I [kg/m⁴]
-  double resistance{};  ///< R [Pa s/m³]
-  [[nodiscard]] int states() const { return 2 * segments; }
-  /// Of the whole line: what a steady flow loses.
-  [[nodiscard]] double loss() const { return segments * resistance; }
-};
-/// Both lines of a leg; without segments where `machine.hydraulics.lines` or the length says so.
+/// One of each for the lines of both chambers.
 template <class Line>
 struct LinesOf {
   Line cap{}, rod{};
 };
-using LegLines = LinesOf<SegmentedLine>;
-LegLines segmented_lines(const model::Machine& machine, int leg);
-
-/// Takes what the lines hold out of the chambers, but for the half segments at their ends.
-void take_out_lines(const LegLines& lines, ServoAxis& axis);
-
-/// The machine whose legs do not carry the inertia of lines that are dead ends (line_inertia()).
-model::Machine without_line_inertia(model::Machine machine);
-
-/// Rates of the state p_0, …, p_{N−1} [Pa], q_1, …, q_N [m³/s] of a line: `valve_flow` goes in and
-/// q_N goes out into a chamber at the pressure `chamber`.
-void line_rates(const SegmentedLine& line, const Oil& oil, const double* state, double valve_flow,
-                double chamber, double* rates);
-/// What its oil moves with, Σ ½ I q² [J], and loses, Σ R q² [W].
-double line_kinetic_energy(const SegmentedLine& line, const double* state);
-double line_dissipation(const SegmentedLine& line, const double* state);
 
 /// Pressures and spool position at which a piston at rest carries a load.
 struct HydraulicRest {

@@ -59,7 +59,7 @@
 #include <vector>
 
 #include "hydrapod/dynamics/nonlinear.hpp"
-#include "hydrapod/hydraulics/modal_line.hpp"
+#include "hydrapod/hydraulics/lines.hpp"
 #include "hydrapod/hydraulics/servo_axis.hpp"
 
 namespace hydrapod::simulation {
@@ -372,7 +372,6 @@ class Plant {
   PlantOptions options_;
   std::array<hydraulics::ServoAxis, model::leg_count> axes_{};
   std::array<hydraulics::LegLines, model::leg_count> lines_{};
-  std::array<hydraulics::LegModalLines, model::leg_count> modal_lines_{};
   std::array<OilSpring, model::leg_count> springs_{};
   std::array<Gimbals, model::leg_count> gimbals_{};
   StuckJoints stuck_joints_{};
