@@ -9,30 +9,13 @@ namespace {
 
 constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 
-/// Lowest mode with the share of (M⁻¹)_dd in direction d; −1: none.
-int first_resonance(const NormalModes& modes, int d, double share) {
-  const double all = modes.shapes.row(d).squaredNorm();
-  for (int k = 0; k < modes.size(); ++k)
-    if (std::pow(modes.shapes(d, k), 2) >= share * all) return k;
-  return -1;
-}
-
-struct Counterpart {
-  double omega{};
-  double share{};  ///< (ψᵀ M_r φ)²
-};
-
-/// The rigid mode that holds most of a flexible mode's momentum.
-Counterpart rigid_counterpart(const LinearModel& flexible, const ModelVector& phi,
-                              const NormalModes& rigid) {
+/// Rows of M φ for platform, base and payload.
+ModelVector momentum_of(const LinearModel& flexible, const ModelVector& phi) {
   const int beyond = flexible.beyond_legs();
   ModelVector momentum(6 + beyond);
   momentum.head<6>() = flexible.M.topRows<6>() * phi;
   momentum.tail(beyond) = flexible.M.bottomRows(beyond) * phi;
-  int best = 0;
-  const ModelVector common = rigid.shapes.transpose() * momentum;
-  common.cwiseAbs().maxCoeff(&best);
-  return {rigid.omega(best), common[best] * common[best]};
+  return momentum;
 }
 
 /// Platform energies of mode k per direction, φᵀ M φ being 1.
@@ -42,6 +25,20 @@ Vector6 platform_energies(const LinearModel& model, const NormalModes& modes, in
 }
 
 }  // namespace
+
+int first_resonance(const NormalModes& modes, int d, double share) {
+  const double all = modes.shapes.row(d).squaredNorm();
+  for (int k = 0; k < modes.size(); ++k)
+    if (std::pow(modes.shapes(d, k), 2) >= share * all) return k;
+  return -1;
+}
+
+Counterpart counterpart(const ModelVector& momentum, const NormalModes& rigid) {
+  int best = 0;
+  const ModelVector common = rigid.shapes.transpose() * momentum;
+  common.cwiseAbs().maxCoeff(&best);
+  return {best, common[best] * common[best]};
+}
 
 Resonances resonances(const LinearModel& flexible, const NormalModes& modes,
                       const NormalModes& rigid, double share) {
@@ -54,10 +51,11 @@ Resonances resonances(const LinearModel& flexible, const NormalModes& modes,
     if (energies.sum() < local_mode_energy) continue;
     energies.maxCoeff(&found.direction);
     found.lowest = modes.omega(k);
-    const auto like = rigid_counterpart(flexible, modes.shapes.col(k), rigid);
-    found.drop = 1.0 - found.lowest / like.omega;
+    const auto like = counterpart(momentum_of(flexible, modes.shapes.col(k)), rigid);
+    const double ratio = found.lowest / rigid.omega(like.mode);
+    found.drop = 1.0 - ratio;
     found.share = like.share;
-    found.peak = like.share * std::pow(like.omega / found.lowest, 2);
+    found.peak = like.share / (ratio * ratio);
     break;
   }
   for (int d = 0; d < 6; ++d) {

@@ -33,22 +33,6 @@ double platform_share(const LinearModel& model, const NormalModes& modes, int k)
   return phi.dot(model.platform_mass * phi);
 }
 
-/// Lowest mode with the share of (M⁻¹)_dd in direction d; −1: none.
-int first_resonance(const NormalModes& modes, int d, double share) {
-  const double all = modes.shapes.row(d).squaredNorm();
-  for (int k = 0; k < modes.size(); ++k)
-    if (std::pow(modes.shapes(d, k), 2) >= share * all) return k;
-  return -1;
-}
-
-/// The rigid mode that holds most of a flexible mode's momentum, and (ψᵀ M_r φ)².
-std::pair<int, double> rigid_counterpart(const ModelVector& momentum, const NormalModes& rigid) {
-  int best = 0;
-  const ModelVector common = rigid.shapes.transpose() * momentum;
-  common.cwiseAbs().maxCoeff(&best);
-  return {best, common[best] * common[best]};
-}
-
 /// Pairs (nominal, mode) in falling order of MAC, one to one. φ_n is normalised in the nominal mass
 /// matrix, φ in that of the sample: both enter the denominator.
 struct Followed {
@@ -125,7 +109,7 @@ std::vector<Column> columns_of(const Kept& kept) {
       {"direction", "1", "its main direction, 1 … 6 for x … rz"},
       {"drop", "1", "its frequency against that of its counterpart with rigid legs, share lost"},
       {"share", "1", "part of that counterpart which is in it (MAC)"},
-      {"peak", "1", "its peak over that of the counterpart, at equal damping ratios"}};
+      {"peak", "1", "its peak over that of the counterpart"}};
   for (const char* name : spatial::direction_names)
     columns.push_back({name, "Hz", fmt::format("{}first resonance in {}", of, name)});
   for (const char* name : spatial::direction_names)
@@ -134,13 +118,11 @@ std::vector<Column> columns_of(const Kept& kept) {
   for (const char* name : spatial::direction_names)
     columns.push_back(
         {fmt::format("share_{}", name), "1",
-         fmt::format("part of the motion in {0} that its first resonance holds", name)});
+         fmt::format("part of the motion in {} that its first resonance holds", name)});
   for (const char* name : spatial::direction_names)
     columns.push_back(
         {fmt::format("peak_{}", name), "1",
-         fmt::format("peak of the first resonance in {} over that with rigid legs, at "
-                     "equal damping ratios",
-                     name)});
+         fmt::format("peak of the first resonance in {} over that with rigid legs", name)});
   columns.push_back({"condition", "1", "condition of the Jacobian"});
   columns.push_back({"stroke", "m", "least stroke left of any leg"});
   columns.push_back({"mac", "1", "least MAC of the followed modes with the nominal ones"});
@@ -219,11 +201,11 @@ void outputs_of(const Kept& kept, const LinearModel& flexible, const NormalModes
 
 void take_rigid(const Kept& kept, const NormalModes& rigid, OutputNumbers<double>& found) {
   const ModelVector momentum = Eigen::Map<const spatial::Vector6>(found.momentum);
-  const auto [counterpart, share] = rigid_counterpart(momentum, rigid);
-  found.counterpart = rigid.omega2[counterpart];
-  found.counterpart_share = share;
+  const auto like = modal::counterpart(momentum, rigid);
+  found.counterpart = rigid.omega2[like.mode];
+  found.counterpart_share = like.share;
   for (int d = 0; d < platform_rows; ++d) {
-    const int k = first_resonance(rigid, d, kept.options.resonance_share);
+    const int k = modal::first_resonance(rigid, d, kept.options.resonance_share);
     found.resonance_rigid[d] = k < 0 ? missing : rigid.omega2[k];
     found.own_rigid[d] = k < 0 ? missing : std::pow(rigid.shapes(d, k), 2);
   }

@@ -82,6 +82,17 @@ EnergyShares energy_shares(const LinearModel& model, const ModelVector& real,
 /// modes: five per cent is a peak that a frequency response shows beside the main one.
 inline constexpr double resonance_share = 0.05;
 
+/// Lowest mode with this share of (M⁻¹)_dd in direction d; −1: none.
+int first_resonance(const NormalModes& modes, int d, double share = resonance_share);
+
+/// The rigid mode ψ that holds most of a mode's momentum, rows of M φ for platform, base and
+/// payload, and how much of ψ is in φ: (ψᵀ M_r φ)².
+struct Counterpart {
+  int mode{};
+  double share{};
+};
+Counterpart counterpart(const ModelVector& momentum, const NormalModes& rigid);
+
 /// What a pose comes down to in maps and sweeps [rad/s]; NaN where there is no such mode.
 struct Resonances {
   double lowest{};  ///< of the modes with platform motion
