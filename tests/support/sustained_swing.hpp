@@ -1,6 +1,7 @@
 #pragma once
 /// Swings of the plant at an amplitude that lasts.
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -8,6 +9,7 @@
 #include <cmath>
 #include <numbers>
 #include <utility>
+#include <vector>
 
 #include "hydrapod/dynamics/linear_model.hpp"
 #include "hydrapod/modal/damped_modes.hpp"
@@ -127,5 +129,40 @@ class SustainedSwing {
   double own_, omega_, damping_, slope_, joint_{}, amplitude_{}, squares_of_rate_{};
   int crossings_{};
 };
+
+/// How near swings of the plant come to the harmonic balance: of the amplitude that was asked for,
+/// of the frequency in ζ, of ζ.
+struct SwingTolerance {
+  double amplitude{}, frequency{}, damping{};
+};
+
+/// Swings of the lowest mode of the rigid-leg model with blocked cylinders against the balance at
+/// the amplitude that comes out; the highest of the frequencies over the lowest.
+inline double swing_as_in_the_balance(const model::Machine& machine,
+                                      const std::vector<double>& amplitudes,
+                                      const SwingTolerance& tolerance) {
+  constexpr auto kind = ModelKind::rigid;
+  const auto balance = [&](const std::vector<double>& at) {
+    return modal::modes_at_amplitudes(machine, machine.neutral(), kind, at).front();
+  };
+  std::vector<double> frequencies;
+  for (const auto& point : balance(amplitudes).points) {
+    EXPECT_TRUE(point.converged);
+    SustainedSwing sustained(machine, kind, point, true, 2.0);
+    const auto found = sustained.swing(2.0, 40, 1.2e-4);
+    EXPECT_NEAR(found.amplitude, point.amplitude, tolerance.amplitude * point.amplitude);
+    const auto there = balance({found.amplitude}).points.front();
+    EXPECT_TRUE(there.converged);
+    // the higher harmonics that the balance leaves out grow with the loss
+    const double zeta = there.damping_ratio;
+    EXPECT_NEAR(found.omega, there.omega, tolerance.frequency * zeta * there.omega)
+        << found.amplitude;
+    EXPECT_NEAR(found.damping_ratio, zeta, tolerance.damping * zeta) << found.amplitude;
+    fmt::print("{:.3g} m: {:.5g} rad/s (balance {:.5g}), {:.4g} ({:.4g})\n", found.amplitude,
+               found.omega, there.omega, found.damping_ratio, zeta);
+    frequencies.push_back(found.omega);
+  }
+  return std::ranges::max(frequencies) / std::ranges::min(frequencies);
+}
 
 }  // namespace hydrapod::simulation
