@@ -69,8 +69,6 @@ bool has_chambers(const Machine& machine) {
   if (machine.damping.oil != OilDamping::automatic)
     return machine.damping.oil == OilDamping::chambers;
   return leg_type(machine) == LegType::cylinder &&
-         !std::ranges::any_of(machine.legs,
-                              [](const Leg& leg) { return leg.oil_spring.damping != 0.0; }) &&
          std::ranges::any_of(machine.legs,
                              [](const Leg& leg) { return states_flow(leg.hydraulics); });
 }

@@ -220,7 +220,7 @@ constexpr ParameterRow damping_rows[]{
         "`legs.oil_spring.damping` beside the spring, or `\"chambers\"`, leakage and valve at "
         "rest, in series with the oil of each chamber as in simulations; `modal_ratio` is then "
         "that of seals and base mount. `\"automatic\"`: chambers where a leg states leakage or a "
-        "valve and none has an `oil_spring.damping`, else viscous"),
+        "valve, else viscous"),
     number<&Machine::damping, &Damping::modal_ratio>(
         "damping.modal_ratio", "1", otherwise("0.02 where the file states no damping, else 0"),
         below_one,

@@ -109,7 +109,7 @@ std::string plant_damping_text(const model::Machine& machine, bool hydraulics) {
   std::string text = type != model::LegType::cylinder
                          ? fmt::format("{} by {}{}", model::axial_part(type), springs_text, motors)
                      : !hydraulics ? "oil springs by " + springs_text
-                     : oil && !model::has_chambers(machine)
+                     : oil
                          ? "oil by leakage, valves and friction (in place of `oil_spring.damping`)"
                          : "oil by leakage, valves and friction";
   if (type != model::LegType::strut) text += "; seals by " + (seals.empty() ? "nothing" : seals);

@@ -124,8 +124,8 @@ TEST(ClosedChambers, AreAnUndampedOilSpring) {
   }
 }
 
-/// Whoever states what leaks means it: no key has to be found for that. A viscous damper of the
-/// oil, or the word of the file, comes first.
+/// Whoever states what leaks means it: no key has to be found for that, and a damper that stands
+/// for it is not used. The word of the file comes first.
 TEST(OilDamping, IsThatOfChambersWhereLeakageOrAValveIsStated) {
   const auto plain = symmetric_machine();
   EXPECT_FALSE(model::has_chambers(plain));
@@ -155,8 +155,12 @@ TEST(OilDamping, IsThatOfChambersWhereLeakageOrAValveIsStated) {
     viscous.damping.oil = model::OilDamping::viscous;
     EXPECT_FALSE(model::has_chambers(viscous));
     auto damper = machine;
-    damper.legs[0].oil_spring.damping = 113.0;
-    EXPECT_FALSE(model::has_chambers(damper));
+    for (auto& leg : damper.legs) leg.oil_spring.damping = 113.0;
+    const auto damped =
+        modes_of(dynamics::linear_model(damper, machine.neutral(), ModelKind::rigid));
+    const auto modes =
+        modes_of(dynamics::linear_model(machine, machine.neutral(), ModelKind::rigid));
+    for (size_t k = 0; k < modes.size(); ++k) EXPECT_EQ(damped[k].pole, modes[k].pole);
   }
 }
 

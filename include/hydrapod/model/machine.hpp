@@ -262,8 +262,8 @@ enum class OilDamping {
   viscous,   ///< `oil_spring.damping`, a damper parallel to the oil spring
   chambers,  ///< leakage and valve at rest: each chamber is a spring in series with a damper, as in
              ///< simulations (docs/theory/hydraulics.md, "Oil damping in the linear models")
-  automatic  ///< `chambers` where a leg states leakage or a valve and none has an
-             ///< `oil_spring.damping`, else `viscous`
+  automatic  ///< `chambers` where a leg states leakage or a valve, which `oil_spring.damping`
+             ///< stands for in other machines, else `viscous`
 };
 
 /// Damping that is not a named damper. Added to the viscous dampers of the legs.
