@@ -60,7 +60,8 @@ class Core {
 
   /// `{ "set" }`, and displacements from the neutral pose, six numbers each: status as of
   /// study::Status, lowest [Hz], its direction 1 … 6, drop, first resonances x … rz [Hz] and their
-  /// drops, stroke left [m]: map_columns numbers each, NaN where there are none, as `hydrapod map`.
+  /// drops, stroke left [m], share and peak of the lowest mode, shares and peaks of the first
+  /// resonances: map_columns numbers each, NaN where there are none, as `hydrapod map`.
   [[nodiscard]] std::vector<double> map(const Json& request,
                                         const std::vector<double>& displacements) const;
   static constexpr int map_columns = 31;
