@@ -13,7 +13,8 @@ namespace hydrapod::report {
 namespace {
 
 constexpr double degrees = 180.0 / std::numbers::pi;
-constexpr int run_width = 1300, run_height = 1180;  // [pixels]
+constexpr int run_width = 1300, run_height = 1192;  // [pixels]
+constexpr double band = 78.0 / run_height;          // of title and two lines below it
 
 /// Columns: time, 6 commands, 6 motions (mm, deg), 6 pistons (mm), 6 drives (%).
 std::string data_block(const simulation::Trace& trace) {
@@ -50,9 +51,8 @@ std::string range(const Simulation& s, int i) {
 
 /// Of three rows of three.
 std::string cell_at(int row, int column) {
-  const double h = (1.0 - 66.0 / run_height) / 3.0;
-  const double left = column / 3.0,
-               top = 1.0 - 66.0 / run_height - row * (1.0 - 66.0 / run_height) / 3.0;
+  const double h = (1.0 - band) / 3.0;
+  const double left = column / 3.0, top = 1.0 - band - row * h;
   return at_screen({left + 88.0 / run_width, left + 1.0 / 3.0 - 16.0 / run_width,
                     top - 28.0 / run_height, top - h + 50.0 / run_height});
 }
@@ -76,7 +76,7 @@ std::string leg_plot(const char* title, const char* unit, int column, int first,
   text += key ? fmt::format(
                     "set key at screen {:.4f},{:.4f} left top Left reverse samplen 1.5 "
                     "font ',9'\n",
-                    (column + 1) / 3.0, (1.0 - 66.0 / run_height) / 3.0 - 28.0 / run_height)
+                    (column + 1) / 3.0, (1.0 - band) / 3.0 - 28.0 / run_height)
               : "unset key\n";
   std::array<std::string, 6> names;
   for (std::size_t i = 0; i < names.size(); ++i) names[i] = fmt::format("leg {}", i + 1);

@@ -35,7 +35,7 @@ TEST(Recovery, IntervalsHoldTheTruthAsOftenAsTheyPromise) {
 }
 
 /// The published machine with transverse axes, and labels where a mode has a direction.
-model::MachineFile published() {
+model::MachineFile transverse_machine() {
   return test::machine_file(
       test::read_text(test::source_file("models/zhang-jiang-2021-transverse.toml")));
 }
@@ -57,8 +57,8 @@ Candidate fit(const model::MachineFile& file, const Targets& targets,
 
 /// At the start rz (184 rad/s) lies above z (143), in the targets below (112).
 TEST(Recovery, ModesThatCrossOnTheWayKeepTheirNames) {
-  const auto targets = targets_of(published(), ModelKind::rigid, true);
-  const auto start = test::machine_file(published().text, {"platform.inertia.zz=17.3"});
+  const auto targets = targets_of(transverse_machine(), ModelKind::rigid, true);
+  const auto start = test::machine_file(transverse_machine().text, {"platform.inertia.zz=17.3"});
   const auto best =
       fit(start, targets, test::free_paths({"platform.inertia.zz"}), ModelKind::rigid, 1);
   EXPECT_NEAR(best.parameters[0].value, 54.5344, 1e-6);
@@ -135,8 +135,8 @@ TEST(Recovery, DampedFrequenciesAsTheyAreListedGiveThePlantedBulkModulus) {
 
 /// Without names the squares have a valley at the crossing; other starts find the way out of it.
 TEST(Recovery, ModesWithoutNamesGetOutOfAWrongValley) {
-  const auto targets = targets_of(published(), ModelKind::rigid, false);
-  const auto start = test::machine_file(published().text, {"platform.inertia.zz=17.3"});
+  const auto targets = targets_of(transverse_machine(), ModelKind::rigid, false);
+  const auto start = test::machine_file(transverse_machine().text, {"platform.inertia.zz=17.3"});
   const auto best =
       fit(start, targets, test::free_paths({"platform.inertia.zz"}), ModelKind::rigid, 8);
   EXPECT_NEAR(best.parameters[0].value, 54.5344, 1e-6);
@@ -144,9 +144,9 @@ TEST(Recovery, ModesWithoutNamesGetOutOfAWrongValley) {
 
 /// x and y are one frequency at the start and two in the targets: one leg has softer oil.
 TEST(Recovery, ARepeatedPairPartsTowardsItsTargets) {
-  const auto truth = test::machine_file(published().text, {"leg.2.oil_spring.stiffness=2.9e6"});
+  const auto truth = test::machine_file(transverse_machine().text, {"leg.2.oil_spring.stiffness=2.9e6"});
   const auto targets = targets_of(truth, ModelKind::guide, false);
-  const auto best = fit(published(), targets, test::free_paths({"leg.2.oil_spring.stiffness"}),
+  const auto best = fit(transverse_machine(), targets, test::free_paths({"leg.2.oil_spring.stiffness"}),
                         ModelKind::guide, 1);
   EXPECT_NEAR(best.parameters[0].value, 2.9e6, 1.0);
   EXPECT_EQ(best.parameters[0].verdict, Verdict::determined);
@@ -154,7 +154,7 @@ TEST(Recovery, ARepeatedPairPartsTowardsItsTargets) {
 
 TEST(Recovery, ShapesAndDampingsAreMetToo) {
   const auto truth = test::machine_file(
-      published().text,
+      transverse_machine().text,
       {"platform.mass_center[0]=0.031", "legs.oil_spring.damping=4321", "damping.modal_ratio=0"});
   const auto model =
       dynamics::linear_model(truth.machine, truth.machine.neutral(), ModelKind::rigid);
@@ -168,7 +168,7 @@ TEST(Recovery, ShapesAndDampingsAreMetToo) {
     targets.modes[k].damping_deviation = 1e-3;
   }
   const auto start = test::machine_file(
-      published().text,
+      transverse_machine().text,
       {"platform.mass_center[0]=0.002", "legs.oil_spring.damping=900", "damping.modal_ratio=0"});
   std::vector<FreeParameter> free = test::free_paths({"legs.oil_spring.damping"});
   free.push_back({.paths = {"platform.mass_center[0]"}, .lower = "-0.1", .upper = "0.1"});
@@ -182,7 +182,7 @@ TEST(Recovery, ShapesAndDampingsAreMetToo) {
 /// Damping ratios tell the leakage past the pistons where the linear models have chambers; without
 /// them leakage is refused.
 TEST(Recovery, OfLeakageByDampingRatios) {
-  const auto text = published().text;
+  const auto text = transverse_machine().text;
   const auto truth = test::machine_file(
       text, {"damping.oil=chambers", "legs.leakage.internal=6.3e-12", "damping.modal_ratio=0"});
   const auto model =
@@ -213,7 +213,7 @@ TEST(Recovery, OfLeakageByDampingRatios) {
 /// Shapes of the platform frame's origin tell where the mass centre is, though it is not theirs.
 TEST(Recovery, ShapesMayBeThoseOfAnyPoint) {
   const auto truth = test::machine_file(
-      published().text, {"platform.mass_center[0]=0.031", "platform.mass_center[1]=-0.017"});
+      transverse_machine().text, {"platform.mass_center[0]=0.031", "platform.mass_center[1]=-0.017"});
   const auto model =
       dynamics::linear_model(truth.machine, truth.machine.neutral(), ModelKind::rigid);
   const auto modes = modal::normal_modes(model);
@@ -229,7 +229,7 @@ TEST(Recovery, ShapesMayBeThoseOfAnyPoint) {
     targets.modes[k].deviation = 0.05 * targets.modes[k].omega;  // the shapes decide
   }
   const auto start = test::machine_file(
-      published().text, {"platform.mass_center[0]=0.002", "platform.mass_center[1]=0.003"});
+      transverse_machine().text, {"platform.mass_center[0]=0.002", "platform.mass_center[1]=0.003"});
   std::vector<FreeParameter> free{
       {.paths = {"platform.mass_center[0]"}, .lower = "-0.1", .upper = "0.1"},
       {.paths = {"platform.mass_center[1]"}, .lower = "-0.1", .upper = "0.1"}};
@@ -239,10 +239,10 @@ TEST(Recovery, ShapesMayBeThoseOfAnyPoint) {
 }
 
 TEST(Recovery, AWrongTargetIsNamedAndLeftOut) {
-  auto targets = targets_of(published(), ModelKind::guide, true);
+  auto targets = targets_of(transverse_machine(), ModelKind::guide, true);
   targets.modes[14].omega *= 1.17;
   const auto start = test::machine_file(
-      published().text, {"legs.oil_spring.stiffness=5e6", "platform.inertia.xx=70",
+      transverse_machine().text, {"legs.oil_spring.stiffness=5e6", "platform.inertia.xx=70",
                          "platform.inertia.yy=70", "legs.guide_sleeve.stiffness=2e5"});
   const auto free = test::free_paths({"legs.oil_spring.stiffness", "platform.inertia.xx",
                                       "platform.inertia.yy", "legs.guide_sleeve.stiffness"});
@@ -257,9 +257,9 @@ TEST(Recovery, AWrongTargetIsNamedAndLeftOut) {
 }
 
 TEST(Recovery, FewerTargetsThanParametersLeaveDirectionsOpen) {
-  Targets targets = targets_of(published(), ModelKind::rigid, true);
+  Targets targets = targets_of(transverse_machine(), ModelKind::rigid, true);
   targets.modes.resize(2);
-  const auto start = test::machine_file(published().text, {"legs.oil_spring.stiffness=5e6"});
+  const auto start = test::machine_file(transverse_machine().text, {"legs.oil_spring.stiffness=5e6"});
   const auto free =
       test::free_paths({"legs.oil_spring.stiffness", "platform.mass", "platform.inertia.zz"});
   Plan plan{.free = free};
@@ -274,11 +274,11 @@ TEST(Recovery, FewerTargetsThanParametersLeaveDirectionsOpen) {
 
 /// Oil in the lines and the rod's mass both ride on the piston; z alone cannot tell them apart.
 TEST(Recovery, OnlyASumIsDeterminedAndSaidToBe) {
-  const auto file = test::machine_file(published().text, {"legs.added_axial_inertia=1.3"});
+  const auto file = test::machine_file(transverse_machine().text, {"legs.added_axial_inertia=1.3"});
   Targets targets = targets_of(file, ModelKind::rigid, true);
   std::erase_if(targets.modes, [](const ModeTarget& t) { return t.direction != 2; });
   ASSERT_EQ(targets.modes.size(), 1U);
-  const auto start = test::machine_file(published().text, {"legs.added_axial_inertia=2.6"});
+  const auto start = test::machine_file(transverse_machine().text, {"legs.added_axial_inertia=2.6"});
   const auto best =
       fit(start, targets, test::free_paths({"legs.added_axial_inertia", "platform.mass"}),
           ModelKind::rigid, 1);
@@ -292,21 +292,21 @@ TEST(Recovery, OnlyASumIsDeterminedAndSaidToBe) {
 }
 
 TEST(Recovery, TargetsThatCannotBeMetAreSaidToBe) {
-  Targets targets = targets_of(published(), ModelKind::rigid, true);
+  Targets targets = targets_of(transverse_machine(), ModelKind::rigid, true);
   for (std::size_t k = 0; k < 6; ++k) targets.modes[k].omega *= k % 2 == 0 ? 1.4 : 0.7;
   Plan plan{.free = test::free_paths({"legs.oil_spring.stiffness"})};
-  const auto result = calibrate(published(), targets, plan, ModelKind::rigid);
+  const auto result = calibrate(transverse_machine(), targets, plan, ModelKind::rigid);
   EXPECT_THAT(report::calibration_remarks(result, targets),
               Contains(testing::ContainsRegex(
                   "the targets cannot be met: target .* is .* Hz or .* σ from its mode")));
 }
 
 TEST(Recovery, APriorThatDecidesIsNamed) {
-  const auto targets = targets_of(published(), ModelKind::guide, true);
+  const auto targets = targets_of(transverse_machine(), ModelKind::guide, true);
   auto free = test::free_paths({"legs.case.mass", "legs.case.transverse_inertia"});
   free[0].prior = PriorAmounts{"6.6 kg", "300 g"};
   Plan plan{.free = free};
-  const auto result = calibrate(published(), targets, plan, ModelKind::guide);
+  const auto result = calibrate(transverse_machine(), targets, plan, ModelKind::guide);
   const auto& mass = result.best().parameters[0];
   EXPECT_EQ(mass.verdict, Verdict::by_prior);
   EXPECT_NEAR(mass.value, 6.6, 0.01);
@@ -316,10 +316,10 @@ TEST(Recovery, APriorThatDecidesIsNamed) {
 }
 
 TEST(Recovery, AProfileRisesAsTheLikelihoodSays) {
-  const auto targets = targets_of(published(), ModelKind::guide, true);
+  const auto targets = targets_of(transverse_machine(), ModelKind::guide, true);
   Plan plan{.free = test::free_paths({"legs.oil_spring.stiffness", "legs.guide_sleeve.stiffness"})};
-  const auto best = calibrate(published(), targets, plan, ModelKind::guide).best();
-  const auto curve = profile(published(), targets, plan, ModelKind::guide, best, 0);
+  const auto best = calibrate(transverse_machine(), targets, plan, ModelKind::guide).best();
+  const auto curve = profile(transverse_machine(), targets, plan, ModelKind::guide, best, 0);
   const auto& p = best.parameters[0];
   // nearly a parabola here, so that the profile's interval is the linear one
   EXPECT_NEAR(curve.interval_low, p.interval_low, 0.01 * p.deviation);
@@ -328,7 +328,7 @@ TEST(Recovery, AProfileRisesAsTheLikelihoodSays) {
 
 /// Where the data tell their own scatter, the profile counts in it.
 TEST(Recovery, AProfileCountsInTheScatterOfTheData) {
-  auto targets = targets_of(published(), ModelKind::guide, true);
+  auto targets = targets_of(transverse_machine(), ModelKind::guide, true);
   targets.deviations_given = false;
   test::Random random(59);
   for (auto& mode : targets.modes) {
@@ -337,9 +337,9 @@ TEST(Recovery, AProfileCountsInTheScatterOfTheData) {
   }
   Plan plan{.free = test::free_paths({"legs.oil_spring.stiffness", "legs.guide_sleeve.stiffness"})};
   plan.options.loss = Loss::squares;
-  const auto best = calibrate(published(), targets, plan, ModelKind::guide).best();
+  const auto best = calibrate(transverse_machine(), targets, plan, ModelKind::guide).best();
   EXPECT_NEAR(best.scatter, 0.3, 0.15);
-  const auto curve = profile(published(), targets, plan, ModelKind::guide, best, 0);
+  const auto curve = profile(transverse_machine(), targets, plan, ModelKind::guide, best, 0);
   const auto& p = best.parameters[0];
   EXPECT_NEAR(curve.interval_low, p.value - 1.96 * p.deviation, 0.05 * p.deviation);
   EXPECT_NEAR(curve.interval_high, p.value + 1.96 * p.deviation, 0.05 * p.deviation);
@@ -347,17 +347,17 @@ TEST(Recovery, AProfileCountsInTheScatterOfTheData) {
 
 /// With nothing else to fit, the profile is the misfit itself; a bound may be where it ends.
 TEST(Recovery, TheOnlyParameterHasAProfileToo) {
-  const auto targets = targets_of(published(), ModelKind::rigid, true);
+  const auto targets = targets_of(transverse_machine(), ModelKind::rigid, true);
   Plan plan{.free = {{.paths = {"legs.oil_spring.stiffness"}, .lower = "3.9e6", .upper = "9e6"},
                      {.paths = {"platform.mass"}}}};
   plan.free[0].start = "5e6";
-  auto best = calibrate(published(), targets, plan, ModelKind::rigid).best();
+  auto best = calibrate(transverse_machine(), targets, plan, ModelKind::rigid).best();
   EXPECT_EQ(best.parameters[0].verdict, Verdict::at_bound);
-  EXPECT_EQ(profile(published(), targets, plan, ModelKind::rigid, best, 1).points.size(), 21U);
+  EXPECT_EQ(profile(transverse_machine(), targets, plan, ModelKind::rigid, best, 1).points.size(), 21U);
   plan.free = {{.paths = {"legs.oil_spring.stiffness"}}};
   plan.free[0].prior = PriorAmounts{"3.86e6", "1e3"};
-  best = calibrate(published(), targets, plan, ModelKind::rigid).best();
-  const auto curve = profile(published(), targets, plan, ModelKind::rigid, best, 0);
+  best = calibrate(transverse_machine(), targets, plan, ModelKind::rigid).best();
+  const auto curve = profile(transverse_machine(), targets, plan, ModelKind::rigid, best, 0);
   const auto& p = best.parameters[0];
   EXPECT_NEAR(curve.interval_low, p.interval_low, 0.02 * p.deviation);  // the prior is in both
   EXPECT_NEAR(curve.interval_high, p.interval_high, 0.02 * p.deviation);
@@ -365,7 +365,7 @@ TEST(Recovery, TheOnlyParameterHasAProfileToo) {
 
 /// Without names, nobody can say which of two frequencies is about x and which about y.
 TEST(Recovery, SaysSoWhereTwoValuesMeetTheTargetsAlike) {
-  const auto file = test::machine_file(published().text, {"platform.inertia.yy=70"});
+  const auto file = test::machine_file(transverse_machine().text, {"platform.inertia.yy=70"});
   Targets targets = targets_of(file, ModelKind::rigid, false);
   Plan plan{.free = test::free_paths({"platform.inertia.xx", "platform.inertia.yy"})};
   const auto result = calibrate(file, targets, plan, ModelKind::rigid);
@@ -377,21 +377,21 @@ TEST(Recovery, SaysSoWhereTwoValuesMeetTheTargetsAlike) {
 
 /// A search that is stopped at once says so, and not that the machine has no modes.
 TEST(Recovery, AnInterruptedSearchNamesWhatItDidNotTry) {
-  const auto targets = targets_of(published(), ModelKind::rigid, true);
+  const auto targets = targets_of(transverse_machine(), ModelKind::rigid, true);
   Plan plan{.free = test::free_paths({"legs.oil_spring.stiffness"})};
   plan.options.threads = 1;
   plan.alternatives = {{.name = "axes", .choices = {{"a", {}}, {"b", {}}}}};
   int calls = 0;
   const auto result =
-      calibrate(published(), targets, plan, ModelKind::rigid, [&](double) { return ++calls > 3; });
+      calibrate(transverse_machine(), targets, plan, ModelKind::rigid, [&](double) { return ++calls > 3; });
   EXPECT_TRUE(result.interrupted);
   EXPECT_EQ(result.candidates.back().problem, "interrupted before its first fit");
 }
 
 /// Threads share the work out as they come; the answer must not show it.
 TEST(Recovery, DoesNotDependOnTheNumberOfThreads) {
-  const auto targets = targets_of(published(), ModelKind::guide, true);
-  const auto start = test::machine_file(published().text, {"legs.oil_spring.stiffness=5e6"});
+  const auto targets = targets_of(transverse_machine(), ModelKind::guide, true);
+  const auto start = test::machine_file(transverse_machine().text, {"legs.oil_spring.stiffness=5e6"});
   Plan plan{.free = test::free_paths({"legs.oil_spring.stiffness", "legs.case.mass"})};
   plan.options.threads = 1;
   const auto one = calibrate(start, targets, plan, ModelKind::guide);
@@ -403,10 +403,10 @@ TEST(Recovery, DoesNotDependOnTheNumberOfThreads) {
 
 /// `change` on a plan, and what is said of it.
 void expect_refused(const FreeParameter& free, const std::string& what) {
-  Targets targets = targets_of(published(), ModelKind::rigid, true);
+  Targets targets = targets_of(transverse_machine(), ModelKind::rigid, true);
   Plan plan{.free = {free}};
   try {
-    calibrate(published(), targets, plan, ModelKind::rigid);
+    calibrate(transverse_machine(), targets, plan, ModelKind::rigid);
     FAIL() << "accepted: " << what;
   } catch (const base::InputError& error) {
     EXPECT_THAT(error.diagnostics().front().message, HasSubstr(what));
@@ -430,11 +430,11 @@ TEST(Refusals, SayWhatIsWrongWithAParameter) {
 }
 
 TEST(Refusals, NameAPoseOrAModelThatTheTargetsDoNotFit) {
-  Targets targets = targets_of(published(), ModelKind::rigid, true);
+  Targets targets = targets_of(transverse_machine(), ModelKind::rigid, true);
   Plan plan{.free = test::free_paths({"legs.rod.mass"})};
   const auto message_of = [&] {
     try {
-      calibrate(published(), targets, plan, ModelKind::rigid);
+      calibrate(transverse_machine(), targets, plan, ModelKind::rigid);
     } catch (const base::InputError& error) {
       return error.diagnostics().front().message;
     }
@@ -442,7 +442,7 @@ TEST(Refusals, NameAPoseOrAModelThatTheTargetsDoNotFit) {
   };
   targets.modes[3].pose = "raised";
   EXPECT_THAT(message_of(), HasSubstr("the machine has no pose \"raised\""));
-  targets = targets_of(published(), ModelKind::guide, true);
+  targets = targets_of(transverse_machine(), ModelKind::guide, true);
   EXPECT_THAT(message_of(), HasSubstr("18 targets at pose \"neutral\", but the rigid model has 6"));
   targets.modes.clear();
   EXPECT_THAT(message_of(), HasSubstr("no targets"));

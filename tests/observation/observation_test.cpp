@@ -20,7 +20,7 @@ namespace {
 using Complex = std::complex<double>;
 using dynamics::ModelKind;
 
-model::MachineFile heavy(const std::vector<std::string>& overrides = {}) {
+model::MachineFile heavy_with(const std::vector<std::string>& overrides = {}) {
   return test::machine_file(test::read_text(test::source_file("models/heavy-platform.toml")),
                             overrides);
 }
@@ -40,7 +40,7 @@ TEST_P(ObservedPlant, HasThePolesAndMotionsOfTheLinearSystem) {
     overrides.push_back("base.mount.stiffness.z=0.93 kN/um");
     overrides.push_back("base.mount.stiffness.ry=7.1e8");
   }
-  const auto machine = heavy(overrides).machine;
+  const auto machine = heavy_with(overrides).machine;
   const auto X_BP = machine.poses.back().X_BP;
   const auto seen = observe(machine, X_BP, ModelKind::guide, Observed::plant);
   const auto system = simulation::system_poles(
@@ -76,7 +76,7 @@ INSTANTIATE_TEST_SUITE_P(OnABaseThatGivesWay, ObservedPlant, testing::Bool());
 
 /// (s − A)⁻¹ B by elimination, on the imaginary axis and beside it.
 TEST(Observation, ResponsesAreThoseOfTheStateSpace) {
-  for (const auto& file : {heavy(), published({"legs.guide_sleeve.stiffness=1.31e5"})}) {
+  for (const auto& file : {heavy_with(), published({"legs.guide_sleeve.stiffness=1.31e5"})}) {
     const auto& machine = file.machine;
     const auto X_BP = machine.neutral();
     const auto seen = observe(machine, X_BP, ModelKind::guide, Observed::plant);
@@ -99,9 +99,10 @@ TEST(Observation, ResponsesAreThoseOfTheStateSpace) {
 /// Forces on legs with oil springs: by elimination of the legs' coordinates, with dampers and with
 /// a ratio for each mode.
 TEST(Observation, OfMechanicsRespondsAsTheLinearModel) {
-  for (const auto& file : {heavy(), published({"damping.modal_ratio=0.037"}),
-                           heavy({"base.mount.mass=1.31 t", "base.mount.stiffness.x=0.041 kN/um",
-                                  "base.mount.stiffness.ry=7.1e8"})}) {
+  for (const auto& file :
+       {heavy_with(), published({"damping.modal_ratio=0.037"}),
+        heavy_with({"base.mount.mass=1.31 t", "base.mount.stiffness.x=0.041 kN/um",
+                    "base.mount.stiffness.ry=7.1e8"})}) {
     const auto& machine = file.machine;
     const auto X_BP = machine.neutral();
     const auto seen = observe(machine, X_BP, ModelKind::guide, Observed::mechanics);
@@ -149,7 +150,7 @@ TEST(Observation, OfABuckledMachineHasRealPoles) {
 
 /// Commands through the controller, and forces on the controlled machine.
 TEST(Observation, OfTheSystemRespondsAsTheClosedLoop) {
-  const auto machine = heavy().machine;
+  const auto machine = heavy_with().machine;
   const auto X_BP = machine.poses.back().X_BP;
   const auto seen = observe(machine, X_BP, ModelKind::guide, Observed::system);
   const auto system = simulation::linear_system(machine, X_BP, {.kind = ModelKind::guide});

@@ -2,6 +2,7 @@
 import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
 import { once } from 'node:events';
+import { after } from 'node:test';
 import { request } from 'node:http';
 import { connect } from 'node:net';
 
@@ -11,10 +12,15 @@ assert.ok(HYDRAPOD_PROGRAM, 'started by ctest, which says where things are');
 /** Of anything that must end [ms]; machines with other work take long. */
 export const patience = 60000;
 
+// A test that fails leaves its server running, and node waits for it until ctest has lost patience.
+const started = [];
+after(() => started.forEach((server) => server.process.kill('SIGKILL')));
+
 export class StudioServer {
   /** Starts it with `words`; resolves when it has said its address. */
   static async start(words, options = {}) {
     const server = new StudioServer();
+    started.push(server);
     server.process = spawn(HYDRAPOD_PROGRAM, ['studio', ...words, '--no-browser'], {
       stdio: ['ignore', 'pipe', 'pipe'],
       ...options,

@@ -53,7 +53,7 @@ test('a drop is said together with what the mode holds of the motion and how hig
     const row = rowsOf(`hydrapod map ${published} --set environment.gravity=9.81 --over "x=-1:1:3 mm" --over "z=-1:1:3 mm"`)[4]; // the middle
     assert.deepEqual([row['pose.x'], row['pose.z']], [0, 0]);
     const drop = (of, motion) =>
-      `, drop ${(100 * row[`drop${of}`]).toFixed(2)} % (${(100 * row[`share${of}`]).toFixed(0)} % of the motion${motion}, peak ${Number(row[`peak${of}`].toPrecision(2))} times as high)`;
+      `, drop ${(100 * row[`drop${of}`]).toFixed(2)} % (${(100 * row[`share${of}`]).toFixed(0)} % of the motion${motion}, peak ${row[`peak${of}`].toFixed(2)} times as high)`;
     const words = page.locator('.workspace-words');
     assert.ok((await words.innerText()).includes(drop('', ' with rigid legs')), await words.innerText());
     await page.locator('[data-control="map-value"]').selectOption({ label: 'Drop of the first resonance in x' });

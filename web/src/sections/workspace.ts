@@ -197,7 +197,7 @@ class Workspace {
       const value = (name: string) => quantities.find(({ column }) => column === name)!.of(row);
       // a drop says little without what the mode holds of the motion and how high its peak is
       const drop = (of: string, motion: string) =>
-        `, drop ${fixed(value('drop' + of), 2)} % (${fixed(value('share' + of), 0)} % of the motion ${motion}, peak ${significant(value('peak' + of), 2)} times as high)`;
+        `, drop ${fixed(value('drop' + of), 2)} % (${fixed(value('share' + of), 0)} % of the motion ${motion}, peak ${fixed(value('peak' + of), 2)} times as high)`;
       const d = /r?[xyz]$/.exec(this.quantity.column)?.[0];
       const text = status !== 0
         ? `: ${mapStatus[status]}.`
