@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <numbers>
 
+#include "cause_parts.hpp"
 #include "evidence.hpp"
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/diagnosis/diagnose.hpp"
@@ -19,93 +19,15 @@ namespace hydrapod::diagnosis {
 
 namespace {
 
-using Leg = std::optional<int>;  ///< none: all legs
-
-constexpr std::array<Leg, 7> all_and_each{std::nullopt, 0, 1, 2, 3, 4, 5};
-
-/// A number that keeps its sign, within `factor` of `value`.
-calibration::FreeParameter within(const std::string& path, double value, double factor) {
-  const double a = value / factor, b = value * factor;
-  return {.paths = {path}, .start = value, .lower = std::min(a, b), .upper = std::max(a, b)};
-}
-
-/// A number within `reach` of `value`.
-calibration::FreeParameter near(const std::string& path, double value, double reach) {
-  return {.paths = {path}, .start = value, .lower = value - reach, .upper = value + reach};
-}
-
-/// `value` for the number at `path`.
-model::Assignment change(const model::MachineFile& file, const std::string& path, double value) {
-  const auto own = find_parameter(file, path);
-  return {own ? *own : find_parameter(file.machine, path).value(), value};
-}
-
-std::string leg_path(Leg leg, const std::string& rest) {
-  return leg ? fmt::format("leg.{}.{}", *leg + 1, rest) : "legs." + rest;
-}
-
-/// The first stands for all.
-const model::Leg& leg_of(const model::MachineFile& file, Leg leg) {
-  return file.machine.legs[static_cast<std::size_t>(leg.value_or(0))];
-}
-
-/// For all legs the first of those that the number at legs.`rest` sets: others may have their own.
-int index_with(const model::MachineFile& file, Leg leg, const std::string& rest) {
-  if (leg) return *leg;
-  const auto id = find_parameter(file, leg_path({}, rest));
-  return id ? std::countr_zero(id->legs) : 0;
-}
-
-const model::Leg& leg_with(const model::MachineFile& file, Leg leg, const std::string& rest) {
-  return leg_of(file, index_with(file, leg, rest));
-}
-
-/// With the stiffness at `path`, of which the file states `value`. A seal that is stated as rigid
-/// is looked for among those that seals have.
-Cause softer(const model::MachineFile& file, Cause cause, const std::string& path, double value,
-             double factor) {
-  constexpr double like_rigid = 1e9, softest = 1e4, usual = 1e7;  // [N/m]
-  auto free = within(path, value, factor);
-  if (value > like_rigid) {
-    free.start = usual;
-    free.lower = softest;
-    cause.changes = {change(file, path, usual)};
-  }
-  cause.free = {free};
-  return cause;
-}
-
-/// The O-rings under the step seals: softer or stiffer than stated.
-void add_guide_sleeves(const model::MachineFile& file, std::vector<Cause>& all) {
-  if (leg_of(file, {}).strut) return;
-  constexpr double factor = 1e4;  // who calculates with rigid legs may state anything
-  const std::string key = "guide_sleeve.stiffness";
-  for (const auto leg : all_and_each)
-    all.push_back(softer(file, {Cause::Kind::guide_sleeves, leg}, leg_path(leg, key),
-                         leg_with(file, leg, key).guide_sleeve.stiffness, factor));
-}
-
-/// The O-rings under the glyd rings at the pistons: a third resonance in x and y.
-void add_piston_rings(const model::MachineFile& file, std::vector<Cause>& all) {
-  if (leg_of(file, {}).strut) return;
-  // where the file has none they begin stiffer than the sleeves, as they are in cylinders
-  constexpr double factor = 1000.0, stiffer = 10.0, stiffest = 1e9;
-  const std::string key = "piston_ring.stiffness";
-  for (const auto leg : all_and_each) {
-    const auto& of = leg_with(file, leg, key);
-    if (leg && !of.piston_ring) continue;
-    const auto path = leg_path(leg, key);
-    const double start = of.piston_ring ? of.piston_ring->stiffness
-                                        : std::min(stiffer * of.guide_sleeve.stiffness, stiffest);
-    auto rings = softer(file, {Cause::Kind::piston_rings, leg}, path, start, factor);
-    if (!of.piston_ring) {
-      rings.changes = {change(file, path, start)};
-      // sleeves that are stated as good as rigid say nothing about the rings
-      rings.free[0].lower = 1000.0;
-    }
-    all.push_back(rings);
-  }
-}
+using causes::all_and_each;
+using causes::change;
+using causes::index_with;
+using causes::Leg;
+using causes::leg_of;
+using causes::leg_path;
+using causes::leg_with;
+using causes::near;
+using causes::within;
 
 /// For all legs the first with chambers, where there is one.
 const model::Leg& oil_leg(const model::MachineFile& file, Leg leg) {
@@ -415,38 +337,6 @@ void add_bending(const model::MachineFile& file, std::vector<Cause>& all) {
   }
 }
 
-/// Another compound, or an aged one: what O-rings have, and a little more where the file states
-/// more.
-void add_elastomers(const model::MachineFile& file, std::vector<Cause>& all) {
-  constexpr double least_ratio = 1.05, most_ratio = 4.0;  // catalogues: 1.3 to 3
-  constexpr double least_loss = 0.02, most_loss = 0.6;    // catalogues: 0.1 to 0.3
-  constexpr double margin = 1.2;
-  const auto& legs = file.machine.legs;
-  const auto has_numbers = [](const auto& leg) {  // `arms` have none
-    const auto& elastomer = leg.guide_sleeve.elastomer;
-    return elastomer && elastomer->dynamic_ratio && elastomer->loss_factor;
-  };
-  if (!std::ranges::all_of(legs, has_numbers)) return;
-  const std::string of_ratio = "guide_sleeve.elastomer.dynamic_ratio",
-                    of_loss = "guide_sleeve.elastomer.loss_factor";
-  const auto elastomer = [&](const std::string& key) {
-    return *leg_with(file, {}, key).guide_sleeve.elastomer;
-  };
-  const auto add = [&](Cause::Kind kind, const std::string& key, double value, double least,
-                       double most) {
-    all.push_back({kind,
-                   {},
-                   {{.paths = {leg_path({}, key)},
-                     .start = value,
-                     .lower = std::min(least, value),
-                     .upper = std::max(most, margin * value)}}});
-  };
-  const double ratio = *elastomer(of_ratio).dynamic_ratio;
-  add(Cause::Kind::elastomer_ratio, of_ratio, ratio,
-      std::min(least_ratio, 1.0 + 0.5 * (ratio - 1.0)), most_ratio);
-  add(Cause::Kind::elastomer_loss, of_loss, *elastomer(of_loss).loss_factor, least_loss, most_loss);
-}
-
 /// One number for all legs is that of each leg where the file states it for each of them.
 std::vector<std::string> paths_in_file(const model::MachineFile& file,
                                        const std::vector<std::string>& paths) {
@@ -468,9 +358,11 @@ std::vector<std::string> paths_in_file(const model::MachineFile& file,
 
 std::vector<Cause> causes_of(const model::MachineFile& file) {
   std::vector<Cause> all;
-  for (const auto add : {add_struts_and_screws, add_guide_sleeves, add_piston_rings, add_oil,
-                         add_gimbals, add_sticking_seals, add_platform, add_base, add_oil_lines,
-                         add_leakage, add_payload_modes, add_bending, add_elastomers})
+  for (const auto add :
+       {add_struts_and_screws, causes::add_guide_sleeves, causes::add_piston_rings, add_oil,
+        add_gimbals, add_sticking_seals, add_platform, add_base, add_oil_lines, add_leakage,
+        add_payload_modes, add_bending, causes::add_guide_clearance, causes::add_elastomers,
+        causes::add_what_amplitudes_show})
     add(file, all);
   for (auto& cause : all)
     for (auto& free : cause.free) free.paths = paths_in_file(file, free.paths);

@@ -6,28 +6,25 @@
 ///
 ///     BIC = misfit/s² + k ln n + 2 ln C(N, m)
 ///
-/// misfit: Σ (difference/deviation)² over the n measured values, of modes and responses; k: numbers
-/// fitted; m of N causes are in it (Bayesian information BIC with known deviations, and a
-/// prior that gives every number of causes the same odds: with many causes one of them fits
-/// noise by chance); s ≥ 1: by what the deviations are too small, from the hypothesis that fits
-/// best for its number of parameters. Two that differ by less than `same` cannot be told apart by
-/// the data, and no cause is identified unless it beats the nominal machine by more than that. A
-/// hypothesis with as many numbers as values is not identified. Theory: docs/theory/diagnosis.md.
+/// misfit: rᵀ R⁻¹ r of the n differences r in deviations, of modes and responses; R: correlations
+/// of frequencies (DiagnoseOptions::common_share); k: numbers fitted; m of N causes are in it
+/// (Bayesian information BIC with known deviations, and a prior that gives every number of causes
+/// the same odds: with many causes one of them fits noise by chance); s ≥ 1: by what the deviations
+/// are too small, from the hypothesis that fits best for its number of parameters. Two that differ
+/// by less than `same` cannot be told apart by the data, and no cause is identified unless it beats
+/// the nominal machine by more than that. A hypothesis with as many numbers as values is not
+/// identified. Theory: docs/theory/diagnosis.md. Results are codes with data, words are `report`'s.
 ///
-/// Causes are named changes of the model, each with numbers of its own. To add one, add its Kind
-/// and its maker in src/diagnosis/causes.cpp, and its words in src/report/diagnosis_words.cpp.
+/// Causes are named changes of the model, each with numbers of its own. A new one needs its Kind,
+/// its maker in src/diagnosis/causes.cpp, and its words in src/report/diagnosis_words.cpp.
 ///
-/// Shares of the compliances in each drop below the rigid-leg model. Each part is made rigid alone
-/// (seals a million times stiffer; gimbals and mount that do not give way) and the modes are
-/// computed again, gravity and preload included. Shares need not sum to one: two compliances in one
-/// leg do more together than either alone, and one leg alone stiffened breaks the symmetry.
+/// Shares of the compliances in each drop below the rigid-leg model. Each part is made rigid alone,
+/// and the modes are computed again, gravity and preload included. Shares need not sum to one: two
+/// compliances in one leg do more together than either alone; one stiff leg breaks the symmetry.
 ///
 /// How stiff the guide sleeves must be. The sleeves of all legs are scaled by one factor. Where
 /// today's do not meet the goal, the smallest factor is wanted from which on everything stiffer
-/// meets it at every pose; where they do, how much softer they might be. It is found downwards from
-/// nearly rigid (or today's) sleeves in steps of a tenth of a decade, then by bisection, to 1e-6.
-///
-/// Results hold codes with data. Their words are made in `report`.
+/// meets it at every pose; where they do, how much softer they might be; both to 1e-6.
 
 #include <array>
 #include <optional>
@@ -101,7 +98,8 @@ enum class Family {
   leakage,
   payload_modes,
   bending,
-  elastomers
+  elastomers,
+  joints
 };
 
 struct Cause {
@@ -132,7 +130,11 @@ struct Cause {
     elastomer_ratio,  ///< dynamic over static stiffness of the guide sleeves' elastomers
     elastomer_loss,   ///< their loss factor
     struts,           ///< stiffness of plain struts
-    screws            ///< stiffness of the screws of electric cylinders
+    screws,           ///< stiffness of the screws of electric cylinders
+    guide_clearance,  ///< gap between rod and guide ring, where the file states it
+    softening,        ///< of the guide sleeves' elastomers; it and the next show at amplitudes
+    seal_bristles,    ///< stiffness of the bristles of the cylinders' friction
+    joint_bristles    ///< the same of the joints
   };
   Kind kind{};
   std::optional<int> leg{};  ///< 0…5; none: all legs, or no leg at all
@@ -140,11 +142,8 @@ struct Cause {
   std::vector<model::Assignment> changes{};  ///< what the model needs before it can have this fault
 
   [[nodiscard]] Family family() const;
-  /// The model with piston rings.
-  [[nodiscard]] bool needs_rings() const { return kind == Kind::piston_rings; }
-  /// Tried in pairs. Off for those that another one stands for (air, gimbals and seals that stick
-  /// change the same springs as the bulk modulus, rods that bend and elastomers the same as the
-  /// guide sleeves, only otherwise from pose to pose or from frequency to frequency).
+  [[nodiscard]] bool needs_rings() const { return kind == Kind::piston_rings; }  ///< the model
+  /// Tried in pairs. Off for those that another one stands for, which changes the same springs.
   [[nodiscard]] bool in_pairs() const;
 };
 
@@ -155,13 +154,15 @@ inline constexpr double same = 6.0;
 /// squares) to what the measurement says of its own errors.
 struct DiagnoseOptions {
   double frequency_error{2e-3};  ///< of ω, relative
-  double shape_error{0.05};      ///< of a shape scaled to unit kinetic energy of the platform
+  /// Share of its variance, below 1, that is one error of all modes and poses (a mass, an oil a
+  /// little off); half, because which part it is only other machines could say.
+  double common_share{0.5};
+  double shape_error{0.05};  ///< of a shape scaled to unit kinetic energy of the platform
   /// Use damping ratios too. Off unless asked for: valves and controller damp a machine at work,
   /// and the dampers in a machine file are rarely known.
   bool damping{};
-  double damping_error{0.3};  ///< of ζ, relative
-  /// Use measured responses too; see responses.hpp.
-  bool responses{true};
+  double damping_error{0.3};   ///< of ζ, relative
+  bool responses{true};        ///< use measured responses too
   double response_error{0.1};  ///< of a column of responses, relative
   std::size_t strongest{6};    ///< causes whose pairs with all others are tried
   int threads{0};              ///< 0: as many as there are processors; results do not depend on it
@@ -248,8 +249,7 @@ struct Objection {
     few_directions,  ///< `count`
     frequencies      ///< `ratio` times those of this machine (median)
   };
-  /// A slip of units that would explain the ratio.
-  enum class Slip { none, thousand, radians, per_minute, mass_or_stiffness };
+  enum class Slip { none, thousand, radians, per_minute, mass_or_stiffness };  ///< of units
   Kind kind{};
   int count{};
   double ratio{};
@@ -271,12 +271,12 @@ struct Untested {
 /// A measured mode, and where the best hypothesis says that it comes from.
 struct MeasuredMode {
   std::string pose{};
-  int direction{-1};                    ///< 0…5; −1: not said
-  double omega{}, deviation{};          ///< as used [rad/s]
+  int direction{-1};                                ///< 0…5; −1: not said
+  double amplitude{};                               ///< [m] at which it was measured; 0: small
+  double omega{}, deviation{}, common_deviation{};  ///< as used [rad/s]
   double omega_stated{}, omega_best{};  ///< of the nominal machine, of the best hypothesis
   double shape_mac{};                   ///< with the best hypothesis; 0 without a shape
-  double omega_rigid{};  ///< mode of the rigid-leg model of which it holds most; 0: none
-  double rigid_mac{};
+  double rigid_mac{}, omega_rigid{};    ///< mode of rigid legs of which it holds most; 0: none
   /// Is it a resonance of that mode (FirstResonance)? The share that no measured mode holds is
   /// taken to be in one that was not measured.
   bool resonance{};
