@@ -16,6 +16,7 @@ struct Arguments {
   MachineArguments machine{};
   DiagnosisArguments diagnosis{};
   double frequency_error{0.2};  // [%]
+  double common_share{50.0};    // [%]
   double shape_error{5.0};      // [%]
   double response_error{10.0};  // [%]
   bool modes_only{};
@@ -42,12 +43,17 @@ const char* machine_word(const diagnosis::CaseFile& file) {
 
 std::string modes_text(const diagnosis::Diagnosis& d, const model::Machine& machine,
                        const TableStyle& style) {
-  Table table({"<pose", "<direction", "measured Hz", "rigid Hz", "drop", "share", "peak",
-               "nominal Hz", "fitted Hz", "MAC", "<elastic energy"});
+  const bool amplitudes =
+      std::ranges::any_of(d.modes, [](const auto& m) { return m.amplitude > 0.0; });
+  const auto pose_text = [&](const auto& m) {
+    return amplitudes ? fmt::format("{}, {:g} mm", m.pose, 1e3 * m.amplitude) : m.pose;
+  };
+  Table table({amplitudes ? "<pose, amplitude" : "<pose", "<direction", "measured Hz", "rigid Hz",
+               "drop", "share", "peak", "nominal Hz", "fitted Hz", "MAC", "<elastic energy"});
   for (const auto& m : d.modes) {
     const bool rigid = m.rigid_mac >= diagnosis::resonance_mac;
     table.add_row(
-        {m.pose, direction_text(m),
+        {pose_text(m), direction_text(m),
          fmt::format("{:.3f} ± {:.3f}", m.omega / two_pi, m.deviation / two_pi),
          rigid ? hertz(m.omega_rigid) : "", rigid ? fmt::format("{:.1f} %", 100.0 * m.drop()) : "",
          rigid ? fmt::format("{:.0f} %", 100.0 * m.rigid_mac) : "",
@@ -187,6 +193,7 @@ void run(const Arguments& a) {
   auto asked = a.diagnosis;
   auto& rules = asked.options;
   rules.frequency_error = a.frequency_error / 100.0;
+  rules.common_share = a.common_share / 100.0;
   rules.shape_error = a.shape_error / 100.0;
   rules.response_error = a.response_error / 100.0;
   rules.responses = !a.modes_only;
@@ -261,6 +268,9 @@ void add_diagnose(Command app) {
       {{"--model-error", a.frequency_error,
         "Model uncertainty of frequencies, %, added to that of the measurement",
         range(0.001, 20.0)},
+       {"--common-share", a.common_share,
+        "Share of the variance of --model-error that all frequencies have in common, %",
+        range(0.0, 95.0)},
        {"--shape-error", a.shape_error, "Model uncertainty of shapes, % of their magnitude",
         range(0.1, 50.0)},
        {"--response-error", a.response_error,

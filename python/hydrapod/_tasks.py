@@ -428,14 +428,15 @@ def _diagnosis(files: List[str], options: Dict[str, Any]) -> Dict[str, Any]:
 
 def diagnose(machine: Machine, measured: Measured = (), *, against: str = "auto",
              want: Optional[Quantity] = None, poses: Optional[Texts] = None, model_error: Quantity = 0.002,
-             shape_error: Quantity = 0.05, response_error: Quantity = 0.1, modes_only: bool = False,
-             damping: bool = False, threads: int = 0, progress: Optional[Progress] = None) -> Diagnosed:
+             common_share: Quantity = 0.5, shape_error: Quantity = 0.05, response_error: Quantity = 0.1,
+             modes_only: bool = False, damping: bool = False, threads: int = 0, progress: Optional[Progress] = None) -> Diagnosed:
     """Cause of low frequencies, its uncertainty, and the stiffness that is required.
 
     measured: modes, responses or records ("run.h5@high" names the pose). want: a largest drop ("2 %", or a
     number below 1) or a lowest frequency ("5 Hz", "x=5 Hz"). poses: names, or "workspace". against: the system that was
     measured: auto, mechanics, plant or system. model_error, shape_error, response_error: uncertainty of a right model's
-    frequencies, shapes and responses, as shares. modes_only: without the responses. damping: damping ratios too.
+    frequencies, shapes and responses, as shares; common_share: of the variance of model_error, what all frequencies have
+    in common. modes_only: without the responses. damping: damping ratios too.
 
     Result: summary (sentences), finding, hypotheses (best first), bic, warnings; the rest in to_dict().
     Raises InputError for a measurement without modes and goals that cannot be. A diagnosis that progress stopped
@@ -446,7 +447,7 @@ def diagnose(machine: Machine, measured: Measured = (), *, against: str = "auto"
         return _core.diagnose(_core_of(machine), _diagnosis(files, dict(
             want=want, against=against,
             poses=poses if poses is None or isinstance(poses, str) and poses == "workspace" else
-            _checks.words(poses, "poses"), model_error=model_error,
+            _checks.words(poses, "poses"), model_error=model_error, common_share=common_share,
             shape_error=shape_error, response_error=response_error, modes_only=modes_only, damping=damping,
             threads=threads)), told)
 

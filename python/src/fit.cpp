@@ -142,6 +142,7 @@ tasks::DiagnoseOptions diagnose_options(const Machine& machine, const Options& a
     value = *given;
   };
   error("model_error", rules.frequency_error, 1e-5, 0.2);
+  error("common_share", rules.common_share, 0.0, 0.95);
   error("shape_error", rules.shape_error, 1e-3, 0.5);
   error("response_error", rules.response_error, 1e-3, 1.0);
   rules.responses = !asked.get("modes_only", false);

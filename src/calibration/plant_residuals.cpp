@@ -60,6 +60,7 @@ class PlantNumber : public DifferencedResidual {
   using Difference = double (*)(const ObservedMode&, const ModeTarget&);
   PlantNumber(int target, Difference difference)
       : DifferencedResidual(target, 1, 1), difference_(difference) {}
+  [[nodiscard]] bool is_frequency() const override { return difference_ == frequency_difference; }
 
  private:
   [[nodiscard]] Eigen::VectorXd value(const Problem& problem,

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "amplitudes.hpp"
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/observation/pairing.hpp"
 #include "poles.hpp"
@@ -26,7 +27,8 @@ Problem::Problem(const model::Machine& machine, const Targets& targets,
       targets_(targets),
       variables_(std::move(variables)),
       kind_(kind),
-      options_(options) {
+      options_(options),
+      common_error_(targets.modes) {
   for (const auto& variable : variables_) machine_.parameters.push_back(variable.ids);
   const auto tied = machine_.at(machine_.values());
   find_poses(tied);
@@ -36,30 +38,35 @@ Problem::Problem(const model::Machine& machine, const Targets& targets,
 
 void Problem::find_poses(const model::Machine& machine) {
   std::vector<base::Diagnostic> errors;
-  const auto point_at = [&](const std::string& what, const std::string& name) {
+  const auto point_at = [&](const std::string& what, const std::string& name, double amplitude) {
     const auto* named = find_pose(machine, name);
     if (named == nullptr) {
       errors.push_back({.key = "pose",
                         .message = fmt::format("{}: the machine has no pose \"{}\"", what, name)});
       return -1;
     }
-    const auto index = static_cast<std::size_t>(named - machine.poses.data());
-    const auto known = std::find(poses_.begin(), poses_.end(), index);
-    const auto point = static_cast<int>(known - poses_.begin());
-    if (known != poses_.end()) return point;
-    poses_.push_back(index);
+    const Place place{static_cast<std::size_t>(named - machine.poses.data()), amplitude};
+    const auto known = std::ranges::find(places_, place);
+    const auto point = static_cast<int>(known - places_.begin());
+    if (known == places_.end()) places_.push_back(place);
     return point;
   };
-  for (const auto& target : targets_.modes)
-    point_of_.push_back(point_at("target " + target.name, target.pose));
+  for (const auto& target : targets_.modes) {
+    if (target.amplitude != 0.0 && observes_plant())
+      errors.push_back({.key = "amplitude",
+                        .message = fmt::format("target {}: modes at an amplitude are those of "
+                                               "mechanics (--against mechanics)",
+                                               target.name)});
+    point_of_.push_back(point_at("target " + target.name, target.pose, target.amplitude));
+  }
   for (const auto& target : targets_.responses) {
     if (!can_enter(targets_.observed, target.entry))
       throw std::invalid_argument("Targets::responses: what is observed has no such input");
-    point_of_response_.push_back(point_at("responses", target.pose));
+    point_of_response_.push_back(point_at("responses", target.pose, 0.0));
   }
   if (!errors.empty()) throw base::InputError(errors);
   const auto metric = [&](int point, const spatial::Vector3& p_PQ) {
-    const auto& pose = machine.poses[poses_[static_cast<std::size_t>(point)]];
+    const auto& pose = machine.poses[places_[static_cast<std::size_t>(point)].pose];
     return observation::platform_metric(machine, pose.X_BP, p_PQ);
   };
   for (std::size_t i = 0; i < targets_.modes.size(); ++i)
@@ -67,14 +74,14 @@ void Problem::find_poses(const model::Machine& machine) {
         metric(point_of_[i], targets_.modes[i].shape_point.value_or(machine.platform.mass_center)));
   for (std::size_t i = 0; i < targets_.responses.size(); ++i)
     metric_of_response_.push_back(metric(point_of_response_[i], targets_.responses[i].point));
-  for (std::size_t p = 0; p < poses_.size(); ++p) {
+  for (std::size_t p = 0; p < places_.size(); ++p) {
     const auto wanted = std::count(point_of_.begin(), point_of_.end(), static_cast<int>(p));
     const int modes = dynamics::degrees_of_freedom(machine, kind_);
     if (wanted > modes)
       errors.push_back({.key = "mode",
                         .message = fmt::format(
                             "{} targets at pose \"{}\", but the {} model has {} modes", wanted,
-                            machine.poses[poses_[p]].name, dynamics::name(kind_), modes)});
+                            machine.poses[places_[p].pose].name, dynamics::name(kind_), modes)});
   }
   if (!errors.empty()) throw base::InputError(errors);
 }
@@ -116,21 +123,34 @@ bool Problem::see_modes(const std::vector<double>& scales, State& state) const {
   if (state.modes_at.empty() || state.modes_at != state.values) {
     state.modes_at.clear();
     state.points.clear();
-    for (const std::size_t pose : poses_)
-      state.points.push_back(mode_point(state.machine, pose, kind_));
-    state.seen.resize(poses_.size());
-    for (std::size_t p = 0; p < poses_.size(); ++p)
+    for (const auto& place : places_)
+      state.points.push_back(mode_point(state.machine, place.pose, kind_));
+    state.seen.resize(places_.size());
+    for (std::size_t p = 0; p < places_.size(); ++p)
       if (!pair_modes_at(p, state)) return false;
     state.modes_at = state.values;
   }
-  for (std::size_t p = 0; p < poses_.size() && !scales.empty(); ++p) {
+  for (std::size_t p = 0; p < places_.size() && !scales.empty(); ++p) {
     auto& point = state.points[p];
     if (point.derivatives.size() == scales.size()) continue;  // known already
-    add_derivatives(machine_, state.values, poses_[p], scales, point);
+    add_derivatives(machine_, state.values, places_[p].pose, scales, point);
     // repeated ones have another basis now
     if (point.repeats() && !pair_modes_at(p, state)) return false;
-    if (!point.damped.empty()) add_pole_derivatives(modal::modal_ratio(state.machine).value, point);
+    if (!add_damped_derivatives(p, scales, state)) return false;
   }
+  return true;
+}
+
+bool Problem::add_damped_derivatives(std::size_t p, const std::vector<double>& scales,
+                                     State& state) const {
+  auto& point = state.points[p];
+  const auto& [pose, amplitude] = places_[p];
+  if (amplitude > 0.0) {
+    std::vector<int> modes;
+    for (const auto i : targets_at(p)) modes.push_back(state.seen[p].mode_of[i]);
+    return add_amplitude_derivatives(machine_, state.values, pose, amplitude, scales, modes, point);
+  }
+  if (!point.damped.empty()) add_pole_derivatives(modal::modal_ratio(state.machine).value, point);
   return true;
 }
 
@@ -149,9 +169,16 @@ bool Problem::pair_modes_at(std::size_t point, State& state) const {
       mode.against_base = here.model.against_base * mode.shape;
     }
   };
+  const auto& [pose, amplitude] = places_[point];
+  if (amplitude > 0.0) add_at_amplitude(state.machine, pose, amplitude, here);
   see_damped();
   const auto targets = targets_at(point);
   if (!pair_seen(targets_.modes, targets, seen)) return false;
+  if (amplitude > 0.0)
+    return std::ranges::all_of(targets, [&](std::size_t i) {
+      const int k = seen.mode_of[i];
+      return here.damped_mode(k) != nullptr || !moves_platform(here, k);
+    });
   if (!is_shifted_by_damping(here.model)) return true;
   std::vector<int> damped;
   for (const auto i : targets)
@@ -171,22 +198,22 @@ const control::ControllerParameters* Problem::controller(const model::NamedPose&
 }
 
 Observation Problem::see(const model::Machine& machine, std::size_t point) const {
-  const auto& pose = machine.poses.at(poses_[point]);
+  const auto& pose = machine.poses.at(places_[point].pose);
   return observe(machine, pose.X_BP, kind_, targets_.observed, controller(pose));
 }
 
 ObservedSystem Problem::system(const model::Machine& machine, std::size_t point) const {
-  const auto& pose = machine.poses.at(poses_[point]);
+  const auto& pose = machine.poses.at(places_[point].pose);
   return observed_system(machine, pose.X_BP, kind_, targets_.observed, controller(pose));
 }
 
 bool Problem::see_all(const std::vector<double>& scales, State& state) const {
   if (state.seen_at.empty() || state.seen_at != state.values) {
-    state.seen.assign(poses_.size(), {});
+    state.seen.assign(places_.size(), {});
     state.seen_at.clear();
     state.modes_at.clear();
     state.steps.clear();
-    for (std::size_t p = 0; p < poses_.size(); ++p) {
+    for (std::size_t p = 0; p < places_.size(); ++p) {
       state.seen[p].seen = see(state.machine, p);
       if (observes_plant() && !pair_seen(targets_.modes, targets_at(p), state.seen[p]))
         return false;
@@ -214,7 +241,7 @@ bool Problem::see_beside(std::size_t parameter, double step, State& state) const
   const model::Machine below = moved_by(-step), above = moved_by(step);
   auto& seen_below = state.seen_below[parameter];
   auto& seen_above = state.seen_above[parameter];
-  for (std::size_t p = 0; p < poses_.size(); ++p) {
+  for (std::size_t p = 0; p < places_.size(); ++p) {
     if (!observes_plant()) {
       seen_below.push_back({.seen = see(below, p)});
       seen_above.push_back({.seen = see(above, p)});
@@ -266,8 +293,20 @@ void Problem::residuals(const Eigen::VectorXd& x, const State& state, Eigen::Vec
     if (J != nullptr) J->middleRows(row, kind->size()) = part;
     row += kind->size();
   }
+  if (common_error_.any()) without_common_error(r, J);
   if (J == nullptr) return;
   for (int j = 0; j < size(); ++j) J->col(j) *= variables_[static_cast<std::size_t>(j)].slope(x[j]);
+}
+
+void Problem::without_common_error(Eigen::VectorXd& r, Eigen::MatrixXd* J) const {
+  std::vector<int> rows;  // in the order of the targets
+  int row = 0;
+  for (const auto& kind : residuals_) {
+    if (kind->is_frequency()) rows.push_back(row);
+    row += kind->size();
+  }
+  r(rows) = common_error_.whitened(r(rows));
+  if (J != nullptr) (*J)(rows, Eigen::all) = common_error_.whitened((*J)(rows, Eigen::all));
 }
 
 Eigen::VectorXd Problem::start() const {

@@ -53,10 +53,10 @@ struct Variable {
 struct State {
   std::vector<double> values{};  ///< parameters [SI]
   model::Machine machine{};
-  std::vector<ModePoint> points{};  ///< one per pose, where modes are those of mechanics
+  std::vector<ModePoint> points{};  ///< one per place, where modes are those of mechanics
   std::vector<double> modes_at{};   ///< values that `points` are of; empty: none
   std::vector<double> seen_at{};    ///< values that the responses of `seen` are of; empty: none
-  std::vector<SeenPoint> seen{};    ///< one per pose; modes of mechanics are those of `points`
+  std::vector<SeenPoint> seen{};    ///< one per place; modes of mechanics are those of `points`
   /// The same a step to each side, parameter by parameter; of plant and system to first order
   /// (tangent.hpp).
   std::vector<std::vector<SeenPoint>> seen_below{}, seen_above{};
@@ -74,6 +74,8 @@ class ResidualKind {
   [[nodiscard]] int size() const { return size_; }
   /// How many values it says something about.
   [[nodiscard]] int values() const { return values_; }
+  /// Is it the frequency of a target?
+  [[nodiscard]] virtual bool is_frequency() const { return false; }
   /// May it be an outlier?
   [[nodiscard]] bool is_data() const { return is_data_; }
   virtual void evaluate(const Problem& problem, const State& state, Eigen::Ref<Eigen::VectorXd> r,
@@ -120,7 +122,8 @@ class Problem {
   /// The state at x; false where the machine has no modes there.
   bool evaluate(const Eigen::VectorXd& x, bool derivatives, State& state) const;
 
-  /// All residuals, and their derivatives by x when the state has them.
+  /// All residuals, and their derivatives by x when the state has them; those of frequencies that
+  /// have a common error without their correlation.
   void residuals(const Eigen::VectorXd& x, const State& state, Eigen::VectorXd& r,
                  Eigen::MatrixXd* J) const;
 
@@ -128,9 +131,20 @@ class Problem {
 
  private:
   void find_poses(const model::Machine& machine);
+  void without_common_error(Eigen::VectorXd& r, Eigen::MatrixXd* J) const;
+  /// Where modes are observed: a pose of the machine, and the amplitude of the platform [m], 0: of
+  /// small motions.
+  struct Place {
+    std::size_t pose{};
+    double amplitude{};
+    bool operator==(const Place&) const = default;
+  };
   [[nodiscard]] std::vector<std::size_t> targets_at(std::size_t point) const;
   bool see_modes(const std::vector<double>& scales, State& state) const;
   bool pair_modes_at(std::size_t point, State& state) const;
+  /// False where the derivatives of a mode that a target is paired with cannot be had.
+  bool add_damped_derivatives(std::size_t point, const std::vector<double>& scales,
+                              State& state) const;
   bool see_all(const std::vector<double>& scales, State& state) const;
   [[nodiscard]] const control::ControllerParameters* controller(const model::NamedPose& pose) const;
   [[nodiscard]] Observation see(const model::Machine& machine, std::size_t point) const;
@@ -143,10 +157,11 @@ class Problem {
   std::vector<Variable> variables_;
   dynamics::ModelKind kind_;
   ProblemOptions options_;
-  std::vector<std::size_t> poses_{};
+  std::vector<Place> places_{};  ///< of the points
   std::vector<int> point_of_{}, point_of_response_{};
   std::vector<spatial::Matrix6> metric_{}, metric_of_response_{};
   std::vector<std::unique_ptr<ResidualKind>> residuals_{};
+  observation::CommonError common_error_;
 };
 
 /// What is left of every column of the measured responses at a line, in the metric `root` of

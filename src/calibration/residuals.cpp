@@ -35,6 +35,7 @@ Found found(const Problem& problem, const State& state, int target) {
 class FrequencyResidual : public ResidualKind {
  public:
   explicit FrequencyResidual(int target) : ResidualKind(1, 1), target_(target) {}
+  [[nodiscard]] bool is_frequency() const override { return true; }
   void evaluate(const Problem& problem, const State& state, Eigen::Ref<Eigen::VectorXd> r,
                 Eigen::MatrixXd* J) const override {
     const auto& [point, mode, group] = found(problem, state, target_);

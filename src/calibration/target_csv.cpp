@@ -53,9 +53,9 @@ class CsvReader {
   }
 
   void read_titles() {
-    static constexpr std::array<std::string_view, 9> words{
-        "frequency", "omega", "direction",         "deviation",    "damping",
-        "pose",      "name",  "damping_deviation", "shape_against"};
+    static constexpr std::array<std::string_view, 10> words{
+        "frequency", "omega", "direction", "deviation",         "damping",
+        "pose",      "name",  "amplitude", "damping_deviation", "shape_against"};
     titles_ = table_.titles();
     const auto there = [&](std::string_view name) {
       return std::ranges::count(titles_, name, &TableTitle::name) > 0;
@@ -138,6 +138,7 @@ class CsvReader {
       if (name == "frequency" || name == "omega") mode.omega = frequency(cell, title);
       if (name == "direction") mode.direction = direction(cell);
       if (name == "deviation") deviation = deviation_of(cell, title);
+      if (name == "amplitude") mode.amplitude = number(cell, title, "m");
       if (name == "damping") mode.damping = damping(cell, title);
       if (name == "damping_deviation") mode.damping_deviation = damping_deviation(cell, title);
       if (name == "shape_against") mode.shape_against = shape_against(cell);

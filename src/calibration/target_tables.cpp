@@ -133,7 +133,7 @@ class TargetReader {
 
   void read_mode(const Value& at, Targets& targets) {
     check_keys(*at.node, at.path,
-               {"frequency", "repeated", "direction", "deviation", "weight", "damping",
+               {"frequency", "repeated", "direction", "deviation", "weight", "amplitude", "damping",
                 "damping_deviation", "shape", "shape_deviation", "shape_against", "pose", "name"},
                faults_);
     const Section table = Section::at(*at.node, at.path, faults_);
@@ -151,6 +151,7 @@ class TargetReader {
       mode.deviation = default_deviation * mode.omega;
     }
     read_weight(table, mode);
+    mode.amplitude = table.number("amplitude", "m", 0.0);
     read_direction(table, mode);
     read_damping(table, mode);
     read_shape(table, mode);
@@ -373,6 +374,10 @@ std::vector<TargetFault> target_faults(const ModeTarget& mode) {
   else if (outside(mode.deviation, finest * mode.omega, coarsest * mode.omega))
     faults.push_back({"deviation", fmt::format("is {:g} times the frequency, expected {:g} to {:g}",
                                                mode.deviation / mode.omega, finest, coarsest)});
+  constexpr double smallest = 1e-9, largest = 10.0;  // m
+  if (mode.amplitude != 0.0 && outside(mode.amplitude, smallest, largest))
+    faults.push_back({"amplitude", fmt::format("is {:g} m, expected {:g} to {:g} m", mode.amplitude,
+                                               smallest, largest)});
   if (mode.damping && (*mode.damping < 0.0 || *mode.damping >= 1.0))
     faults.push_back({"damping", fmt::format("is {:g}, expected a damping ratio of at least 0 and "
                                              "below 1",

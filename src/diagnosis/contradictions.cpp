@@ -31,12 +31,17 @@ Contradiction contradiction(Contradiction::Kind kind, std::vector<Place> places)
   return made;
 }
 
-/// Measured frequencies that are one resonance count once.
+/// Measured frequencies that are one resonance count once, and one that was measured at several
+/// amplitudes too.
 int count_measured(const Targets& targets, const std::string& pose, int direction) {
-  std::vector<std::complex<double>> poles;
+  std::map<double, std::vector<std::complex<double>>> poles;  // at an amplitude
   for (const auto& mode : targets.modes)
-    if (mode.pose == pose && mode.direction == direction) poles.emplace_back(0.0, mode.omega);
-  return static_cast<int>(observation::groups_of(poles).size());
+    if (mode.pose == pose && mode.direction == direction)
+      poles[mode.amplitude].emplace_back(0.0, mode.omega);
+  std::size_t most = 0;
+  for (const auto& [amplitude, some] : poles)
+    most = std::max(most, observation::groups_of(some).size());
+  return static_cast<int>(most);
 }
 
 /// Of the lines of responses, where these are missed by more than `notable` deviations in all, that

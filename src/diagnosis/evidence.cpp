@@ -34,7 +34,9 @@ Targets weighted_targets(const model::MachineFile& file, const Targets& measured
   targets.deviations_given = true;
   for (auto& mode : targets.modes) {
     const double own = measured.deviations_given ? mode.deviation : 0.0;
-    mode.deviation = std::hypot(own, options.frequency_error * mode.omega);
+    const double model = options.frequency_error * mode.omega;
+    mode.deviation = std::hypot(own, model);
+    mode.common_deviation = std::sqrt(options.common_share) * model;
     if (mode.shape) {
       mode.shape_deviation = std::hypot(mode.shape_deviation, options.shape_error);
       if (mode.complex_shape)
@@ -111,6 +113,7 @@ Targets Evidence::for_mechanics() const {
       targets.modes[i].omega *= ratio;
       targets.modes[i].damped = false;
       targets.modes[i].deviation *= ratio;
+      targets.modes[i].common_deviation *= ratio;
     }
   }
   return targets;
@@ -367,16 +370,6 @@ Hypothesis Evidence::explain(const std::vector<std::size_t>& causes, const Hypot
   auto e = search(causes, by_mechanics_, known, stop);
   static_cast<void>(file_of(file_, e));  // numbers that no machine has explain nothing
   return e;
-}
-
-void Evidence::widen(Hypothesis& e, double frequency_error) const {
-  Targets shifted = e.by_mechanics ? by_mechanics_ : targets_;
-  for (auto& mode : shifted.modes) mode.omega *= 1.0 + frequency_error;
-  const auto other = refit(e, shifted, false, {});
-  for (std::size_t k = 0; k < e.fit.parameters.size(); ++k) {
-    auto& p = e.fit.parameters[k];
-    p.deviation = std::hypot(p.deviation, other.parameters[k].value - p.value);
-  }
 }
 
 std::optional<Evidence::Part> Evidence::explain_direction(std::size_t cause, int direction,

@@ -23,9 +23,20 @@ double least_response_misfit(const Diagnosis& d) {
   return std::isfinite(least) ? least : 0.0;
 }
 
+namespace {
+
+double frequency_misfit(const observation::Targets& targets, const calibration::Candidate& fit) {
+  Eigen::VectorXd differences(static_cast<Eigen::Index>(fit.targets.size()));
+  for (std::size_t i = 0; i < fit.targets.size(); ++i)
+    differences[static_cast<Eigen::Index>(i)] = fit.targets[i].difference;
+  return observation::CommonError(targets.modes).whitened(differences).squaredNorm();
+}
+
+}  // namespace
+
 Goodness goodness(const Diagnosis& d, const Hypothesis& e) {
   Goodness g;
-  for (const auto& target : e.fit.targets) g.frequencies.sum += std::pow(target.difference, 2);
+  g.frequencies.sum = frequency_misfit(d.targets, e.fit);
   for (const auto& response : d.targets.responses) g.responses.values += response.values;
   g.frequencies.values = static_cast<int>(e.fit.targets.size());
   g.shapes.values = std::max(0, d.values - g.frequencies.values - g.responses.values);

@@ -276,8 +276,10 @@ void trace_modes(const model::MachineFile& file, Diagnosis& d) {
     const auto& target = d.targets.modes[i];
     MeasuredMode mode{.pose = target.pose,
                       .direction = target.direction.value_or(-1),
+                      .amplitude = target.amplitude,
                       .omega = target.omega,
                       .deviation = target.deviation,
+                      .common_deviation = target.common_deviation,
                       .omega_stated = stated.fit.targets[i].omega,
                       .omega_best = best.fit.targets[i].omega,
                       .shape_mac = best.fit.targets[i].shape_mac,

@@ -1,6 +1,5 @@
 /// The branches of the harmonic balance over the amplitude: docs/theory/amplitude.md.
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <algorithm>
 #include <boost/math/tools/toms748_solve.hpp>
@@ -95,22 +94,6 @@ class Balance {
   }
 
  private:
-  /// The mode of K most like q, with those that hardly differ in frequency: any combination of
-  /// these is a mode.
-  static ModelVector most_like(const ModelVector& q, const ModelMatrix& K) {
-    constexpr double together = 1e-9;  // of ω²
-    const Eigen::SelfAdjointEigenSolver<ModelMatrix> modes(K);
-    const ModelVector parts = modes.eigenvectors().transpose() * q;
-    Eigen::Index best = 0;
-    parts.cwiseAbs().maxCoeff(&best);
-    const double omega2 = modes.eigenvalues()[best];
-    ModelVector sum = ModelVector::Zero(q.size());
-    for (Eigen::Index k = 0; k < parts.size(); ++k)
-      if (std::abs(modes.eigenvalues()[k] - omega2) <= together * std::abs(omega2))
-        sum += parts[k] * modes.eigenvectors().col(k);
-    return sum;
-  }
-
   /// Where modes repeat A is singular: any combination of them is balanced, and none is sought.
   static Vector solved(const Eigen::MatrixXd& A, const Vector& right) {
     constexpr double singular = 1e-8;  // of ω²; balances are exact to 1e-12

@@ -76,6 +76,10 @@ class Swinging {
   std::array<Rows3, model::leg_count> joints_{};         ///< of the platform
 };
 
+/// The mode of K most like q, with those that hardly differ in frequency: any combination of these
+/// is a mode.
+ModelVector most_like(const ModelVector& q, const ModelMatrix& K);
+
 /// The linear modes per q, where branches begin: pairs of repeated ones are turned to those of
 /// their combinations that stay balanced as amplitudes grow.
 ModelMatrix shapes_to_begin_with(const Swinging& swinging);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "fitted_parameter.hpp"
 #include "hydrapod/base/units.hpp"
@@ -77,6 +78,7 @@ template <class Fields>
 void describe_target(Fields& f, ModeTarget& target, FittedTarget& fit) {
   f("name", target.name);
   f("pose", target.pose);
+  f.unless(0.0, "amplitude_m", target.amplitude);
   f.counted("mode", fit.mode);
   f("target_rad_s", target.omega);
   f.unless(false, "damped", target.damped);
@@ -202,12 +204,13 @@ Sensitivities sensitivity_from_json(const Json& json, const std::string& file) {
 
 namespace {
 
-/// Targets at several poses may have one name.
+/// Targets at several poses or amplitudes may have one name.
 std::string at_pose(const Targets& targets, std::size_t i) {
-  const auto& pose = targets.modes[i].pose;
+  const auto& [pose, amplitude] = std::tie(targets.modes[i].pose, targets.modes[i].amplitude);
   const bool several =
       std::ranges::any_of(targets.modes, [&](const auto& mode) { return mode.pose != pose; });
-  return several ? fmt::format(" at pose {}", pose) : "";
+  return (several ? fmt::format(" at pose {}", pose) : "") +
+         (amplitude > 0.0 ? fmt::format(" at {:g} mm", 1e3 * amplitude) : "");
 }
 
 }  // namespace

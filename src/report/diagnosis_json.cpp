@@ -115,8 +115,11 @@ void describe(Fields& f, MeasuredMode& m) {
   if (m.omega_rigid > 0.0) rigid_hz = m.omega_rigid / two_pi;
   f("pose", m.pose);
   describe_axis(f, "direction", m.direction);
+  f.unless(0.0, "amplitude_m", m.amplitude);
   f.scaled("frequency_hz", m.omega, two_pi);
   f.scaled("deviation_hz", m.deviation, two_pi);
+  if (!Fields::reads || f.has("common_deviation_hz"))  // files of earlier versions have none
+    f.scaled("common_deviation_hz", m.common_deviation, two_pi);
   f.scaled("nominal_hz", m.omega_stated, two_pi);
   f.scaled("fitted_hz", m.omega_best, two_pi);
   if (m.mode_direction >= 0 || f.has("mode_direction"))
@@ -217,10 +220,11 @@ void describe_cause(Fields& f, Cause& cause) {
       "payload_height", "inertia",       "mass_and_inertia", "mass_center",     "base_lateral",
       "base_vertical",  "base_rocking",  "oil_lines",        "leakage",         "payload_sways",
       "payload_heaves", "payload_modes", "rods_bend",        "elastomer_ratio", "elastomer_loss",
-      "struts",         "screws"};
-  static constexpr std::array families{"guide sleeves", "piston rings", "leg axes",  "platform",
-                                       "mass centre",   "base",         "oil lines", "leakage",
-                                       "payload modes", "bending",      "elastomers"};
+      "struts",         "screws",        "guide_clearance",  "softening",       "seal_bristles",
+      "joint_bristles"};
+  static constexpr std::array families{"guide sleeves", "piston rings", "leg axes",   "platform",
+                                       "mass centre",   "base",         "oil lines",  "leakage",
+                                       "payload modes", "bending",      "elastomers", "joints"};
   if constexpr (!Fields::reads) {
     f.derived("name", cause_name(cause));
     f.derived("statement", cause_statement(cause));
@@ -346,7 +350,11 @@ void describe_diagnosis(Fields& f, Diagnosis& d) {
   if constexpr (Fields::reads) {
     d.hypotheses.resize(f.size("hypotheses"));
     if (d.hypotheses.empty()) f.bad("hypotheses", "is empty");
-    for (const auto& mode : d.modes) d.targets.modes.push_back({.pose = mode.pose});
+    for (const auto& mode : d.modes)
+      d.targets.modes.push_back({.pose = mode.pose,
+                                 .deviation = mode.deviation,
+                                 .common_deviation = mode.common_deviation,
+                                 .amplitude = mode.amplitude});
   }
   f.list("hypotheses", d.hypotheses.size(),
          [&](auto& item, std::size_t k) { describe_hypothesis(item, d.hypotheses[k], k, d); });

@@ -31,6 +31,7 @@ TEST(ChiSquared, HasItsProbabilityInClosedForm) {
 /// responses of four values.
 TEST(Goodness, JudgesKindByKind) {
   Diagnosis d{.values = 2 + 10 + 4};
+  d.targets.modes.resize(2);
   d.targets.responses.resize(1);
   d.targets.responses[0].values = 4;
   Hypothesis e{.parameters = 1, .misfit = 25.0 + 7.0 + 1.44};

@@ -177,15 +177,18 @@ diagnosis::Diagnosis diagnosed() {
   d.values = 29;
   d.interrupted = true;
   d.equivalent = {1, 0};
+  d.targets.modes.resize(1);
   d.modes = {{.pose = "neutral",
               .direction = 3,
+              .amplitude = 3.1e-4,
               .omega = two_pi * 6.1,
               .deviation = two_pi * 0.062,
+              .common_deviation = two_pi * 0.013,
               .omega_stated = two_pi * 6.3,
               .omega_best = two_pi * 6.4,
               .shape_mac = 0.965,
-              .omega_rigid = two_pi * 6.6,
               .rigid_mac = 0.967,
+              .omega_rigid = two_pi * 6.6,
               .resonance = true,
               .oil = 0.68,
               .guide_sleeves = 0.17,
@@ -271,6 +274,8 @@ TEST(NumbersInJson, OfADiagnosis) {
                   {"interrupted", true},
                   {"measured_modes", Json::array({{{"frequency_hz", 6.1},
                                                    {"deviation_hz", 0.062},
+                                                   {"common_deviation_hz", 0.013},
+                                                   {"amplitude_m", 3.1e-4},
                                                    {"nominal_hz", 6.3},
                                                    {"fitted_hz", 6.4},
                                                    {"shape_mac", 0.965},

@@ -23,7 +23,12 @@ void add_guide_sleeve(const MujocoHexapod& hexapod, int i, VectorXd& force) {
   const Vector3 center = leg.base_joint + leg.guide_sleeve.position * n;
   const double along_rod = n.dot(center - hexapod.piston(i)) / n.dot(e);
   const Vector3 point = hexapod.piston(i) + along_rod * e;  // where the rod pierces the sleeve
-  const Vector3 across = -leg.guide_sleeve.stiffness * (point - center);
+  const Vector3 offset = point - center;
+  double stiffness = leg.guide_sleeve.stiffness;
+  // a ring with a sharp edge
+  if (const auto gap = leg.guide_sleeve.gap; gap && offset.norm() > *gap)
+    stiffness += leg.guide_sleeve.guide_stiffness * (1.0 - *gap / offset.norm());
+  const Vector3 across = -stiffness * offset;
   hexapod.add_pair(i, across - n * across.dot(e) / n.dot(e), point, force);
 }
 
@@ -181,8 +186,7 @@ MujocoEquilibrium mujoco_equilibrium(const model::Machine& machine, const spatia
   return equilibrium_with(machine, X_BP, kind, &axes);
 }
 
-MatrixXd stiffness_at(MujocoEquilibrium& equilibrium) {
-  constexpr double h = 3e-4;  // [m] and [rad]; error h⁴ of the fifth derivative, rounding ε / h
+MatrixXd stiffness_at(MujocoEquilibrium& equilibrium, double h) {
   Neighbourhood near(equilibrium);
   const int dof = equilibrium.hexapod.dof();
   MatrixXd K(dof, dof);

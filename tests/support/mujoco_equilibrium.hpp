@@ -4,7 +4,8 @@
 /// The platform's pose is given; leg coordinates, oil forces and constraint forces follow by Newton
 /// on the whole mechanism at once. The seal is a frictionless lateral spring in the plane of the
 /// guide sleeve, fixed to the case: the offset d_s of the rod's axis in that plane gives a force
-/// −k_s d_s across, and with it whatever is needed along the case to stay normal to the rod.
+/// −k_s d_s across, and with it whatever is needed along the case to stay normal to the rod. A
+/// guide ring adds k_c (|d_s| − gap) along d_s beyond its gap.
 
 #include "support/mujoco_hexapod.hpp"
 
@@ -29,9 +30,10 @@ MujocoEquilibrium mujoco_equilibrium(const model::Machine& machine, const spatia
                                      ModelKind kind);
 
 /// dof × dof, for the coordinates of MujocoHexapod::allowed_motions: differences of fourth order of
-/// the generalised force along the constraint manifold, valves closed. The hexapod is moved and put
-/// back.
-MatrixXd stiffness_at(MujocoEquilibrium& equilibrium);
+/// the generalised force along the constraint manifold, valves closed. `h`: their step [m] and
+/// [rad]; their error is h⁴ times the fifth derivative, that of rounding ε/h. The hexapod is moved
+/// and put back.
+MatrixXd stiffness_at(MujocoEquilibrium& equilibrium, double h = 3e-4);
 MatrixXd mass_at(const MujocoEquilibrium& equilibrium);
 MatrixXd damping_at(const MujocoEquilibrium& equilibrium);
 

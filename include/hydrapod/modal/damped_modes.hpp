@@ -200,4 +200,18 @@ std::vector<AmplitudeCurve> modes_at_amplitudes(const model::Machine& machine,
                                                 std::span<const double> amplitudes,
                                                 const AmplitudeOptions& options = {});
 
+/// A motion y of any size to begin with, and the amplitude [m] > 0 that it is to have.
+struct SwingStart {
+  double amplitude{};
+  ModelVector shape{};
+};
+
+/// The balances at these amplitudes that are like the shapes, by Newton's method from these, or
+/// from small motions on in steps of the amplitude; much faster than branches, and with one
+/// solution where a branch has several. ModeAtAmplitude::mac is with the shape; `converged` is
+/// false where no balance is found so. Throws as linear_model() does.
+std::vector<ModeAtAmplitude> balances_at(const model::Machine& machine, const spatial::Pose& X_BP,
+                                         dynamics::ModelKind kind,
+                                         std::span<const SwingStart> starts);
+
 }  // namespace hydrapod::modal

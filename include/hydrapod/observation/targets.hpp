@@ -45,11 +45,17 @@ struct ComplexShape {
 
 /// One mode that was found in the machine.
 struct ModeTarget {
-  std::string name{};               ///< "189.32 rad/s (2)", as reports call it
-  std::string pose{"neutral"};      ///< one of the machine's
-  double omega{};                   ///< [rad/s]
-  bool damped{};                    ///< ω is |λ|, as it is measured; else of the undamped mode
-  double deviation{};               ///< standard deviation of omega [rad/s]
+  std::string name{};           ///< "189.32 rad/s (2)", as reports call it
+  std::string pose{"neutral"};  ///< one of the machine's
+  double omega{};               ///< [rad/s]
+  bool damped{};                ///< ω is |λ|, as it is measured; else of the undamped mode
+  double deviation{};           ///< standard deviation of omega [rad/s]
+  /// The part of `deviation` that is an error of all frequencies together, such as that of a model
+  /// whose mass or oil is slightly wrong: covariances of two modes are products of these [rad/s].
+  double common_deviation{};
+  /// [m] of the platform joint that moved most while this was measured (docs/theory/amplitude.md);
+  /// 0: small. Of mechanics only.
+  double amplitude{};
   std::optional<int> direction{};   ///< 0…5 for x…rz: what the platform mostly does
   std::optional<double> damping{};  ///< ratio ζ
   double damping_deviation{};       ///< of ζ
@@ -134,6 +140,21 @@ struct Targets {
   /// as the file of the machine observed has it.
   std::map<std::string, control::ControllerParameters> controllers{};
   bool deviations_given{true};  ///< false: no mode says how exact it is; default_deviation counts
+};
+
+/// Correlation R of frequencies with a common error: 1 on the diagonal, ρ_i ρ_j beside it, where
+/// ρ = common_deviation/deviation < 1.
+class CommonError {
+ public:
+  explicit CommonError(const std::vector<ModeTarget>& modes);
+  /// Is there one? Else R = 1.
+  [[nodiscard]] bool any() const { return slopes_.squaredNorm() > 0.0; }
+  /// R^(−1/2) of differences in deviations, or of their derivatives: a row for each mode.
+  [[nodiscard]] Eigen::MatrixXd whitened(const Eigen::MatrixXd& differences) const;
+
+ private:
+  Eigen::VectorXd own_{};     ///< √(1 − ρ²)
+  Eigen::VectorXd slopes_{};  ///< ρ/own: R = own (1 + slopes slopesᵀ) own
 };
 
 /// Relative standard deviation of a frequency that says nothing about it.
