@@ -204,11 +204,11 @@ void plot_capability(const PoseCheck& check, const PlotText& text, const std::st
                          check.pose.name, text.subtitle),
              grid.width(), grid.height());
   std::vector<std::string> names(direction_names.rbegin(), direction_names.rend());
-  std::string body = "set multiplot\nset xrange [-1.95:1.95]\nset yrange [0.4:6.6]\nunset key\n" +
+  std::string body = "set multiplot\nset xrange [-2.2:2.2]\nset yrange [0.4:6.6]\nunset key\n" +
                      std::string(thin_axes) + "unset xtics\nset ytics nomirror scale 0\n" +
                      named_tics('y', names) +
                      "set arrow from 0,0.4 to 0,6.6 nohead lc rgb '#444444' lw 0.8\n"
-                     "set arrow from -1.95,3.5 to 1.95,3.5 nohead lc rgb '#d0d0d0' lw 0.8\n";
+                     "set arrow from -2.2,3.5 to 2.2,3.5 nohead lc rgb '#d0d0d0' lw 0.8\n";
   for (std::size_t k = 0; k < simulation::ability_count; ++k)
     body += ability_panel(*check.capability, static_cast<Ability>(k), grid[k],
                           k == 0 ? heading : std::string());
