@@ -118,8 +118,10 @@ std::string modes_text(const tasks::Identified& checks, const TableStyle& style)
     table.add_row(row);
   }
   text += "\n" + table.text(style);
-  text += fmt::format("\n± is half the 95 % interval. Error of the synthesised responses: {:.2g} %",
-                      100.0 * result.model.error);
+  text += fmt::format(
+      "\nHz: |λ| of damped modes. ± is half the 95 % interval. Error of the synthesised responses: "
+      "{:.2g} %",
+      100.0 * result.model.error);
   if (result.model.misfit > 0.0)
     text += fmt::format(", {:.2f} times their noise (mean square)", result.model.misfit);
   text += ".\n";

@@ -148,7 +148,7 @@ TEST_F(Identify, TheTableSaysWhatItIs) {
   const auto run = test::run_hydrapod({"identify", write()});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.out, HasSubstr("3 inputs, 3 outputs"));
-  EXPECT_THAT(run.out, HasSubstr("± is half the 95 % interval"));
+  EXPECT_THAT(run.out, HasSubstr("\nHz: |λ| of damped modes. ± is half the 95 % interval"));
   EXPECT_THAT(run.out, HasSubstr("ERA"));
 }
 
