@@ -146,10 +146,28 @@ std::string modes_text(const tasks::Identified& checks, const TableStyle& style)
   return text;
 }
 
+/// "5 of 6 modes are in the model; largest difference of a frequency −1.20 % (mode 3), lowest MAC
+/// 0.971 (mode 2)."
+std::string comparison_verdict(const observation::ModeComparison& c, std::size_t modes) {
+  std::string text = fmt::format("{} of {} modes are in the model", c.pairs.size(), modes);
+  if (c.pairs.empty()) return text + ".\n";
+  const auto& apart = *std::ranges::max_element(
+      c.pairs, {}, [](const auto& pair) { return std::abs(pair.frequency_difference); });
+  text += fmt::format("; largest difference of a frequency {} (mode {})",
+                      signed_percent(apart.frequency_difference), apart.measured + 1);
+  const auto& unlike = *std::ranges::min_element(
+      c.pairs, {}, [](const auto& pair) { return pair.mac.value_or(2.0); });
+  if (unlike.mac)
+    text += fmt::format(", lowest MAC {:.3f} (mode {})", *unlike.mac, unlike.measured + 1);
+  return text + ".\n";
+}
+
 std::string comparison_text(const report::ComparedModes& compared,
                             const identification::Identification& result, const TableStyle& style) {
   std::string text = fmt::format("\nCompared with {}\n", report::comparison_heading(compared));
   const auto& c = compared.result;
+  const std::string verdict = "\n" + comparison_verdict(c, result.modes.size());
+  if (style.brief) return text + verdict.substr(1);
   if (c.outputs.empty())
     text +=
         "No output has a direction of the platform or a leg: frequencies alone determine the "
@@ -169,7 +187,7 @@ std::string comparison_text(const report::ComparedModes& compared,
     }
     text += "\n" + table.text(style);
   }
-  return text + style.detail("\n" + left_text(compared, result));
+  return text + "\n" + left_text(compared, result) + verdict;
 }
 
 struct Arguments : IdentificationArguments {

@@ -391,6 +391,13 @@ TEST_F(MeasuredMachine, IsComparedWithItsFile) {
   const auto table = test::run_hydrapod({"identify", path, "--machine", file, "--model", "rigid"});
   EXPECT_THAT(table.out, HasSubstr("Compared with Heavy motion platform, pose neutral, rigid "
                                    "model: mechanics, legs as springs"));
+  EXPECT_THAT(table.out, testing::ContainsRegex(
+                             "\n\n6 of 6 modes are in the model; largest difference of a frequency "
+                             ".*0\\.00 % \\(mode .\\), lowest MAC 1\\.000 \\(mode .\\)\\.\n$"));
+  const auto brief =
+      test::run_hydrapod({"identify", path, "--machine", file, "--model", "rigid", "--brief"});
+  EXPECT_THAT(brief.out, testing::AllOf(HasSubstr("\n6 of 6 modes are in the model; "),
+                                        testing::Not(HasSubstr("model Hz"))));
 }
 
 TEST_F(MeasuredMachine, ModesThatTheModelLacksAreSaid) {
