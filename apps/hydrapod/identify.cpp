@@ -80,6 +80,30 @@ std::string untested_text(const identification::Identification& result) {
       std::ceil(*result.needed_duration));
 }
 
+/// What is to be known of the table of modes.
+std::string notes_text(const tasks::Identified& checks) {
+  const auto& result = checks.modes;
+  std::string text;
+  if (!result.modes.empty() && !report::have_one_unit(result.responses.outputs))
+    text +=
+        "Motion: each output in proportion to the size of its own responses, because the outputs "
+        "have no unit in common. The shapes themselves are in the files of -o.\n";
+  if (checks.bootstrap)
+    text += fmt::format(
+        "Bootstrap: {} resamples of {} groups of blocks, relative uncertainty {:.0f} %.\n",
+        checks.bootstrap->resamples, checks.bootstrap->groups,
+        100.0 / std::sqrt(2.0 * (checks.bootstrap->groups - 1.0)));
+  text += untested_text(result);
+  for (const auto& h : result.responses.harmonics)
+    text += harmonic_text(h, result.responses.outputs);
+  for (const auto& m : result.heavily_damped)
+    if (!stands_for_what_is_outside(result, m))
+      text += fmt::format(
+          "Heavily damped pole, not counted as a mode: {:.3f} Hz, damping ratio {:.0f} %.\n",
+          m.omega() / two_pi, 100.0 * m.damping_ratio());
+  return text;
+}
+
 std::string modes_text(const tasks::Identified& checks, const TableStyle& style) {
   const auto& result = checks.modes;
   const auto& measured = checks.measured;
@@ -126,24 +150,7 @@ std::string modes_text(const tasks::Identified& checks, const TableStyle& style)
     text += fmt::format(", {:.2f} times their noise (mean square)", result.model.misfit);
   text += ".\n";
   if (style.brief) return text;
-  if (!result.modes.empty() && !report::have_one_unit(result.responses.outputs))
-    text +=
-        "Motion: each output in proportion to the size of its own responses, because the outputs "
-        "have no unit in common. The shapes themselves are in the files of -o.\n";
-  if (checks.bootstrap)
-    text += fmt::format(
-        "Bootstrap: {} resamples of {} groups of blocks, relative uncertainty {:.0f} %.\n",
-        checks.bootstrap->resamples, checks.bootstrap->groups,
-        100.0 / std::sqrt(2.0 * (checks.bootstrap->groups - 1.0)));
-  text += untested_text(result);
-  for (const auto& h : result.responses.harmonics)
-    text += harmonic_text(h, result.responses.outputs);
-  for (const auto& m : result.heavily_damped)
-    if (!stands_for_what_is_outside(result, m))
-      text += fmt::format(
-          "Heavily damped pole, not counted as a mode: {:.3f} Hz, damping ratio {:.0f} %.\n",
-          m.omega() / two_pi, 100.0 * m.damping_ratio());
-  return text;
+  return text + notes_text(checks);
 }
 
 /// "5 of 6 modes are in the model; largest difference of a frequency −1.20 % (mode 3), lowest MAC
