@@ -202,8 +202,9 @@ std::string amplitudes_text(const tasks::Machine& machine, const report::ModesAt
   }
   std::string text = heading(machine, style) + "\n" + table.text(style);
   text += fmt::format(
-      "\nHarmonic balance, one mode at a time. The amplitude is that of the platform joint that "
-      "moves most, against the base.\nChange: against motions of a thousandth of the first "
+      "\nHarmonic balance, one mode at a time. Hz: of the balance of springs and masses, without "
+      "dampers.\nThe amplitude is that of the platform joint that moves most, against the base.\n"
+      "Change: against motions of a thousandth of the first "
       "amplitude. {}: largest amplitudes of the legs.\n",
       struts    ? "Strut, along the leg"
       : sleeves ? "Sleeve, piston"
@@ -222,7 +223,7 @@ void plot_amplitudes(const tasks::Machine& machine, const report::ModesAtAmplitu
   draw(path, [&](const auto& to) {
     report::plot_modes_at_amplitudes(
         modes, machine.file.machine.name,
-        fmt::format("harmonic balance; pose {}, {} model; machine: {}", machine.pose.name,
+        fmt::format("harmonic balance, undamped; pose {}, {} model; machine: {}", machine.pose.name,
                     dynamics::name(machine.kind), report::mechanics_state_text(machine.file)),
         to);
   });

@@ -191,7 +191,8 @@ std::string letters_text(const simulation::Capability& capability) {
 
 std::string resonance_text(const report::PoseCheck& check) {
   if (!check.first_resonance) return {};
-  return fmt::format("Lowest mode: {:.3g} Hz.", *check.first_resonance / base::two_pi);
+  return fmt::format("Lowest mode: {:.3g} Hz (|λ| of the damped mode).",
+                     *check.first_resonance / base::two_pi);
 }
 
 std::string capability_text(const report::PoseCheck& check, const TableStyle& style) {

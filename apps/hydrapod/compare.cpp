@@ -103,7 +103,7 @@ std::string notes(const report::SideBySide& all, const report::ThingComparison& 
       return pair.frequency.verdict == verdict || pair.damping.verdict == verdict;
     });
   };
-  std::string text = "Shapes: " + c.shapes + ".\n";
+  std::string text = "Hz: |λ| of damped modes. Shapes: " + c.shapes + ".\n";
   if (any(Verdict::significant) || any(Verdict::not_significant))
     text += fmt::format("Significant: {}; ± is half the 95 % interval.\n", report::test_text(all));
   if (any(Verdict::calculated))

@@ -321,7 +321,8 @@ void add_design(Command app) {
         "worst case over all poses of the file"},
        {"design machine.toml --change \"legs.guide_sleeve.stiffness=1:50 kN/mm\" --change "
         "\"platform.mass=800:1200 kg\" --maximise lowest --maximise platform.mass --plot front.svg",
-        "trade-off between two aims"}});
+        "trade-off between two aims"}},
+      study_frequencies);
   auto& arguments = command.calls(&run);
   add_machine_options(command, arguments.machine);
   command.add_options(

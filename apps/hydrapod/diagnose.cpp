@@ -167,7 +167,7 @@ std::string table_text(const Arguments& a, const model::MachineFile& file,
                                      : fmt::format(": {}", fmt::join(a.diagnosis.measured, ", ")));
   text += state_line(file);
   for (const auto& origin : origins) text += "measured: " + origin + "\n";
-  for (const auto& sentence : report::summary(found)) text += "  " + sentence + "\n";
+  for (const auto& sentence : report::summary(found, style.brief)) text += "  " + sentence + "\n";
   if (style.brief) return text;
   if (found.diagnosis) {
     text += modes_text(*found.diagnosis, found.machine, style);

@@ -1,6 +1,8 @@
 /// `hydrapod evaluate`: one evaluation by Dakota's files.
 
 #include "hydrapod/command.hpp"
+#include "hydrapod/reports.hpp"
+#include "hydrapod/study/study.hpp"
 #include "hydrapod/tasks/study.hpp"
 
 namespace hydrapod::cli {
@@ -19,6 +21,10 @@ void run(const Arguments& arguments) {
   base::write_file_whole(arguments.results, done.text);
   const std::string which = done.id.empty() ? "" : fmt::format("evaluation {}: ", done.id);
   if (!done.failure.empty()) print_warning(which + done.failure + "; the results file says FAIL");
+  if (done.failure.empty() && !done.frequencies.empty())
+    print_note(fmt::format("{}frequencies of {} modes: {}", which,
+                           study::frequency_kind(machine.file.machine),
+                           fmt::join(done.frequencies, ", ")));
   if (!done.by_differences.empty())
     print_note(
         fmt::format("{}gradients by central differences: {}; others are derivatives of "
@@ -33,7 +39,8 @@ void add_evaluate(Command app) {
       "evaluate", "One evaluation by Dakota's files: parameters in, results out",
       {{"evaluate --machine machine.toml --variable \"k=legs.guide_sleeve.stiffness [kN/mm]\" "
         "--function x params.in results.out",
-        "as Dakota calls it; without the options variables are paths in SI, functions outputs"}});
+        "as Dakota calls it; without the options variables are paths in SI, functions outputs"}},
+      study_frequencies);
   auto& arguments = command.calls(&run);
   command.add_options(
       {{"PARAMETERS", arguments.options.parameters,

@@ -80,6 +80,30 @@ std::string untested_text(const identification::Identification& result) {
       std::ceil(*result.needed_duration));
 }
 
+/// What is to be known of the table of modes.
+std::string notes_text(const tasks::Identified& checks) {
+  const auto& result = checks.modes;
+  std::string text;
+  if (!result.modes.empty() && !report::have_one_unit(result.responses.outputs))
+    text +=
+        "Motion: each output in proportion to the size of its own responses, because the outputs "
+        "have no unit in common. The shapes themselves are in the files of -o.\n";
+  if (checks.bootstrap)
+    text += fmt::format(
+        "Bootstrap: {} resamples of {} groups of blocks, relative uncertainty {:.0f} %.\n",
+        checks.bootstrap->resamples, checks.bootstrap->groups,
+        100.0 / std::sqrt(2.0 * (checks.bootstrap->groups - 1.0)));
+  text += untested_text(result);
+  for (const auto& h : result.responses.harmonics)
+    text += harmonic_text(h, result.responses.outputs);
+  for (const auto& m : result.heavily_damped)
+    if (!stands_for_what_is_outside(result, m))
+      text += fmt::format(
+          "Heavily damped pole, not counted as a mode: {:.3f} Hz, damping ratio {:.0f} %.\n",
+          m.omega() / two_pi, 100.0 * m.damping_ratio());
+  return text;
+}
+
 std::string modes_text(const tasks::Identified& checks, const TableStyle& style) {
   const auto& result = checks.modes;
   const auto& measured = checks.measured;
@@ -118,36 +142,39 @@ std::string modes_text(const tasks::Identified& checks, const TableStyle& style)
     table.add_row(row);
   }
   text += "\n" + table.text(style);
-  text += fmt::format("\n± is half the 95 % interval. Error of the synthesised responses: {:.2g} %",
-                      100.0 * result.model.error);
+  text += fmt::format(
+      "\nHz: |λ| of damped modes. ± is half the 95 % interval. Error of the synthesised responses: "
+      "{:.2g} %",
+      100.0 * result.model.error);
   if (result.model.misfit > 0.0)
     text += fmt::format(", {:.2f} times their noise (mean square)", result.model.misfit);
   text += ".\n";
   if (style.brief) return text;
-  if (!result.modes.empty() && !report::have_one_unit(result.responses.outputs))
-    text +=
-        "Motion: each output in proportion to the size of its own responses, because the outputs "
-        "have no unit in common. The shapes themselves are in the files of -o.\n";
-  if (checks.bootstrap)
-    text += fmt::format(
-        "Bootstrap: {} resamples of {} groups of blocks, relative uncertainty {:.0f} %.\n",
-        checks.bootstrap->resamples, checks.bootstrap->groups,
-        100.0 / std::sqrt(2.0 * (checks.bootstrap->groups - 1.0)));
-  text += untested_text(result);
-  for (const auto& h : result.responses.harmonics)
-    text += harmonic_text(h, result.responses.outputs);
-  for (const auto& m : result.heavily_damped)
-    if (!stands_for_what_is_outside(result, m))
-      text += fmt::format(
-          "Heavily damped pole, not counted as a mode: {:.3f} Hz, damping ratio {:.0f} %.\n",
-          m.omega() / two_pi, 100.0 * m.damping_ratio());
-  return text;
+  return text + notes_text(checks);
+}
+
+/// "5 of 6 modes are in the model; largest difference of a frequency −1.20 % (mode 3), lowest MAC
+/// 0.971 (mode 2)."
+std::string comparison_verdict(const observation::ModeComparison& c, std::size_t modes) {
+  std::string text = fmt::format("{} of {} modes are in the model", c.pairs.size(), modes);
+  if (c.pairs.empty()) return text + ".\n";
+  const auto& apart = *std::ranges::max_element(
+      c.pairs, {}, [](const auto& pair) { return std::abs(pair.frequency_difference); });
+  text += fmt::format("; largest difference of a frequency {} (mode {})",
+                      signed_percent(apart.frequency_difference), apart.measured + 1);
+  const auto& unlike = *std::ranges::min_element(
+      c.pairs, {}, [](const auto& pair) { return pair.mac.value_or(2.0); });
+  if (unlike.mac)
+    text += fmt::format(", lowest MAC {:.3f} (mode {})", *unlike.mac, unlike.measured + 1);
+  return text + ".\n";
 }
 
 std::string comparison_text(const report::ComparedModes& compared,
                             const identification::Identification& result, const TableStyle& style) {
   std::string text = fmt::format("\nCompared with {}\n", report::comparison_heading(compared));
   const auto& c = compared.result;
+  const std::string verdict = "\n" + comparison_verdict(c, result.modes.size());
+  if (style.brief) return text + verdict.substr(1);
   if (c.outputs.empty())
     text +=
         "No output has a direction of the platform or a leg: frequencies alone determine the "
@@ -167,7 +194,7 @@ std::string comparison_text(const report::ComparedModes& compared,
     }
     text += "\n" + table.text(style);
   }
-  return text + style.detail("\n" + left_text(compared, result));
+  return text + "\n" + left_text(compared, result) + verdict;
 }
 
 struct Arguments : IdentificationArguments {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 #include <optional>
 
 #include "hydrapod/amplitude_report.hpp"
@@ -60,28 +61,37 @@ std::string open_verdict(const SystemPoles& poles) {
              : std::string("without a controller the pose is not held");
 }
 
+/// "UNSTABLE": it grows. Of a sampled loop its exact poles decide, and the table says where the
+/// pole of the approximation beside it differs.
+const char* growth_mark(const simulation::SystemPole& pole, bool grows, bool drifts) {
+  if (drifts) return "drift";
+  const bool approximation_grows = simulation::grows(pole.pole);
+  if (grows) return approximation_grows ? "UNSTABLE" : "UNSTABLE, sampled";
+  return approximation_grows ? "stable, sampled" : "";
+}
+
 /// Table of poles, ascending in frequency.
 std::string pole_table(const SystemPoles& poles, bool closed, const TableStyle& style) {
-  std::vector<const simulation::SystemPole*> order;
-  for (const auto& pole : poles.poles) order.push_back(&pole);
-  std::stable_sort(order.begin(), order.end(),
-                   [](const auto* a, const auto* b) { return a->omega < b->omega; });
+  const auto grow = report::growing(poles);
+  std::vector<std::size_t> order(poles.poles.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, {}, [&](std::size_t k) { return poles.poles[k].omega; });
   Table table({"pole", "Hz", "rad/s", "damping", "Re 1/s", "<", "<participation"});
-  for (std::size_t k = 0; k < order.size(); ++k) {
-    const auto& pole = *order[k];
-    const bool stable = !simulation::grows(pole.pole);
+  for (std::size_t row = 0; row < order.size(); ++row) {
+    const auto& pole = poles.poles[order[row]];
     const bool drifts = !closed && pole.omega < drift;
     table.add_row(
-        {std::to_string(k + 1), pole.oscillates() && !drifts ? hertz(pole.omega) : "–",
+        {std::to_string(row + 1), pole.oscillates() && !drifts ? hertz(pole.omega) : "–",
          fmt::format("{:.4g}", pole.omega),
          pole.oscillates() && !drifts ? fmt::format("{:.2f} %", 100.0 * pole.damping_ratio) : "–",
-         fmt::format("{:.4g}", pole.pole.real()),
-         drifts   ? "drift"
-         : stable ? ""
-                  : "UNSTABLE",
+         fmt::format("{:.4g}", pole.pole.real()), growth_mark(pole, grow[order[row]], drifts),
          report::participation_text(pole)});
   }
-  return table.text(style);
+  return table.text(style) +
+         style.detail(poles.sampled.empty()
+                          ? "Hz and rad/s: |λ| of the poles.\n"
+                          : "Hz and rad/s: |λ| of the poles. Poles are those of the approximation; "
+                            "UNSTABLE is a pole of the sampled loop that grows.\n");
 }
 
 std::string system_heading(const tasks::Machine& machine, const report::System& system,
@@ -141,12 +151,18 @@ std::string locus_table(const report::RootLocus& locus, const TableStyle& style)
     const auto& first = poles.poles.front();
     table.add_row({fmt::format("{:.6g}", locus.values[k]), poles.sampled_stable ? "yes" : "NO",
                    fmt::format("{:.6f}", poles.largest_modulus),
-                   fmt::format("{:.4g}", first.pole.real()), hertz(first.pole.imag()),
+                   fmt::format("{:.4g}", first.pole.real()),
+                   first.oscillates() ? hertz(first.omega) : "–",
                    least != nullptr ? fmt::format("{:.3f} %", 100.0 * least->damping_ratio) : "–",
                    least != nullptr ? hertz(least->omega) : "–",
                    least != nullptr ? report::participation_text(*least) : ""});
   }
   std::string text = table.text(style);
+  const bool sampled = std::ranges::any_of(
+      locus.poles, [](const SystemPoles& poles) { return !poles.sampled.empty(); });
+  text += style.detail(sampled ? "Stable and |z|: of the sampled loop, exact. Re and Hz (|λ|): of "
+                                 "the approximation.\n"
+                               : "Hz: |λ| of the poles.\n");
   for (const double limit : locus.limits)
     text += fmt::format("\nlimit of stability: {} = {:.6g}\n", locus.key, limit);
   return text;
@@ -286,10 +302,11 @@ std::string poses_table(const report::ModesAtPoses& modes, const TableStyle& sty
     cells.push_back(any ? fmt::format("{:.2f}", lowest) : "–");
     table.add_row(cells);
   }
-  return table.text(style) + style.detail(
-                                 "\n(number of the mode at its pose.) A row is one mode, followed "
-                                 "by its shape from pose "
-                                 "to pose; –: no mode of that shape.\n");
+  return table.text(style) +
+         style.detail(
+             std::string("\n(number of the mode at its pose.) A row is one mode, followed "
+                         "by its shape from pose to pose; –: no mode of that shape.\nHz: ") +
+             damped_frequencies);
 }
 
 void run_at_poses(const Arguments& arguments, const tasks::Machine& machine,

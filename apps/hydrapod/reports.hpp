@@ -17,6 +17,12 @@ inline constexpr const char* damped_frequencies =
     "natural frequencies |λ| of the damped modes, as they are measured\n";
 /// The same of studies: "frequencies are those of undamped modes".
 std::string frequencies_line(const model::Machine& machine);
+/// The same behind the examples in the help of their commands.
+inline constexpr const char* study_frequencies =
+    "\n\nFrequencies:\n"
+    "  Outputs in Hz are frequencies of undamped modes; where seals are elastomers, of damped "
+    "modes.\n"
+    "  `hydrapod modes` and `hydrapod check` print |λ| of the damped modes.";
 std::string mechanics_state_line(const model::MachineFile& file);  ///< of mechanics alone
 
 /// Machine, pose, model and assumptions in two lines.

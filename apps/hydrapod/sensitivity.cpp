@@ -25,7 +25,7 @@ void run(const Arguments& arguments) {
     report::plot_sensitivities(
         result,
         {machine.file.machine.name,
-         fmt::format("pose {}, {} model; machine: {}", machine.pose.name,
+         fmt::format("damped modes; pose {}, {} model; machine: {}", machine.pose.name,
                      dynamics::name(machine.kind), report::mechanics_state_text(machine.file))},
         path);
   });

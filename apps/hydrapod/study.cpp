@@ -406,7 +406,8 @@ void add_montecarlo(Command app) {
         "scatter of the seals"},
        {"montecarlo machine.toml --vary \"platform.mass=uniform 850 .. 950 kg\" --indices",
         "with Sobol indices"},
-       {"montecarlo study.toml --samples 1000 --results run.h5", "from a study file"}});
+       {"montecarlo study.toml --samples 1000 --results run.h5", "from a study file"}},
+      study_frequencies);
   auto& arguments = command.calls(&run_montecarlo);
   add_subject_options(command, arguments.machine);
   command.add_options({{"--vary", arguments.vary,
@@ -425,7 +426,8 @@ void add_sweep(Command app) {
       "sweep", "Modes over a grid of parameters, or over values that fill it evenly",
       {{"sweep machine.toml --over \"legs.guide_sleeve.stiffness=2:20:10 kN/mm\"", "ten values"},
        {"sweep machine.toml --over \"platform.mass=800:1000 kg\" --design sobol --samples 4096",
-        "a Sobol sequence"}});
+        "a Sobol sequence"}},
+      study_frequencies);
   auto& arguments = command.calls(&run_sweep);
   add_subject_options(command, arguments.machine);
   command.add_options(
@@ -444,7 +446,8 @@ void add_map(Command app) {
         "lowest mode over x and z"},
        {"map machine.toml --over \"rx=-10:10:21 deg\" --over \"ry=-10:10:21 deg\" --want \"lowest "
         ">= 5 Hz\"",
-        "poses below 5 Hz"}});
+        "poses below 5 Hz"}},
+      study_frequencies);
   auto& arguments = command.calls(&run_map);
   add_subject_options(command, arguments.machine);
   command.add_options(

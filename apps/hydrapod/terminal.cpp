@@ -308,9 +308,14 @@ std::string Table::text(const TableStyle& style) const {
     }
     if (!all.empty()) all += '\n';
     all += part(shown, style.colour, style.rows);
-  } while (next < columns_.size());
-  if (rows_.size() > style.rows)
-    all += fmt::format("… and {} more rows; --all shows them\n", rows_.size() - style.rows);
+  } while (next < columns_.size() && !style.brief);
+  std::vector<std::string> left;
+  const auto leave = [&left](std::size_t count, const char* what) {
+    if (count > 0) left.push_back(fmt::format("{} more {}{}", count, what, count > 1 ? "s" : ""));
+  };
+  leave(rows_.size() - std::min(rows_.size(), style.rows), "row");
+  leave(columns_.size() - std::min(columns_.size(), next), "column");
+  if (!left.empty()) all += fmt::format("… and {}; --all shows them\n", fmt::join(left, " and "));
   return all;
 }
 

@@ -82,8 +82,9 @@ enum class Extent { screen, brief, all };
 void show(Extent extent);
 
 /// How tables are written. A table wider than `width` comes in parts, one below the other, each
-/// beginning with the first column. Of a table with more than `rows` rows the first ones are shown,
-/// and how many are left out.
+/// beginning with the first column; `brief` shows the first part alone: columns stand in the order
+/// of their importance. Of a table with more than `rows` rows the first ones are shown, and how
+/// many are left out.
 struct TableStyle {
   bool colour{};
   std::size_t width{static_cast<std::size_t>(-1)};

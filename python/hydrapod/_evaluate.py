@@ -30,8 +30,8 @@ def evaluate(machine: Machine, parameters: Path, results: Optional[Path] = None,
     {NAME: "PATH" or "PATH [unit]"}, what a variable of that file is; others are paths, with values in SI. functions:
     output of each function, in their order; default: their labels.
 
-    Result, an Evaluation: text (frequencies [Hz], others [SI]), failure, by_differences, id. A design that has no
-    outputs is no error: the text says FAIL. Raises InputError for a file that cannot be read, an unknown variable,
+    Result, an Evaluation: text (frequencies of undamped modes, with elastomers of damped ones [Hz]; others [SI]),
+    failure, by_differences, id. A design that has no outputs is no error: the text says FAIL. Raises InputError for a file that cannot be read, an unknown variable,
     output or request. Source: docs/howto/study.md. C++: tasks::evaluate in hydrapod/tasks/study.hpp.
     """
     given = _paths(variables, "variables")

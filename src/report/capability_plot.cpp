@@ -8,6 +8,7 @@
 
 #include "gnuplot.hpp"
 #include "hydrapod/base/error.hpp"
+#include "hydrapod/base/units.hpp"
 #include "hydrapod/report/model_results.hpp"
 #include "hydrapod/spatial/pose.hpp"
 
@@ -15,6 +16,7 @@ namespace hydrapod::report {
 
 namespace {
 
+using base::two_pi;
 using simulation::Ability;
 using simulation::Limit;
 using spatial::direction_names;
@@ -132,8 +134,25 @@ std::string ability_panel(const simulation::Capability& capability, Ability abil
   return text + "plot NaN notitle\n";
 }
 
-/// A coloured box and a name for each family of limits that occurs.
-std::string limit_legend(const simulation::Capability& capability, const Cell& cell) {
+/// What is not of one direction: all six at once, the lowest mode and the loop that it allows.
+std::vector<std::string> facts(const PoseCheck& check) {
+  const auto& able = *check.capability;
+  std::vector<std::string> lines{
+      fmt::format("all six directions at once: {:.0f} % of forces,", 100.0 * able.combined[0]),
+      fmt::format("{:.0f} % of speeds, {:.0f} % of accelerations", 100.0 * able.combined[1],
+                  100.0 * able.combined[2])};
+  if (check.first_resonance)
+    lines.push_back(fmt::format("lowest mode (|λ|): {:.3g} Hz", *check.first_resonance / two_pi));
+  if (able.gain_limit) {
+    lines.push_back(fmt::format("loop gain below {:.3g} 1/s; half of it:", *able.gain_limit));
+    lines.push_back(fmt::format("bandwidth {:.3g} Hz", 0.5 * *able.gain_limit / two_pi));
+  }
+  return lines;
+}
+
+/// A coloured box and a name for each family of limits that occurs; facts below.
+std::string limit_legend(const PoseCheck& check, const Cell& cell) {
+  const auto& capability = *check.capability;
   std::string text = at_screen(cell) + "unset object\nunset label\nunset title\nunset tics\n" +
                      "unset border\nunset arrow\n";
   double row = 6.0;
@@ -150,7 +169,11 @@ std::string limit_legend(const simulation::Capability& capability, const Cell& c
             "set label {} at -1.38,{:.2f} left font ',10'\n",
             row - 0.22, row + 0.22, colour(reach.limit), quoted(name), row);
       }
-  text += fmt::format("set label 'L3: in leg 3' at -1.8,{:.2f} left font ',10'\n", row - 0.8);
+  row -= 0.7;
+  text += fmt::format("set label 'L3: in leg 3' at -1.8,{:.2f} left font ',10'\n", row);
+  row -= 0.2;
+  for (const auto& line : facts(check))
+    text += fmt::format("set label {} at -1.8,{:.2f} left font ',10'\n", quoted(line), row -= 0.5);
   return text + "plot NaN notitle\n";
 }
 
@@ -204,15 +227,15 @@ void plot_capability(const PoseCheck& check, const PlotText& text, const std::st
                          check.pose.name, text.subtitle),
              grid.width(), grid.height());
   std::vector<std::string> names(direction_names.rbegin(), direction_names.rend());
-  std::string body = "set multiplot\nset xrange [-1.95:1.95]\nset yrange [0.4:6.6]\nunset key\n" +
+  std::string body = "set multiplot\nset xrange [-2.2:2.2]\nset yrange [0.4:6.6]\nunset key\n" +
                      std::string(thin_axes) + "unset xtics\nset ytics nomirror scale 0\n" +
                      named_tics('y', names) +
                      "set arrow from 0,0.4 to 0,6.6 nohead lc rgb '#444444' lw 0.8\n"
-                     "set arrow from -1.95,3.5 to 1.95,3.5 nohead lc rgb '#d0d0d0' lw 0.8\n";
+                     "set arrow from -2.2,3.5 to 2.2,3.5 nohead lc rgb '#d0d0d0' lw 0.8\n";
   for (std::size_t k = 0; k < simulation::ability_count; ++k)
     body += ability_panel(*check.capability, static_cast<Ability>(k), grid[k],
                           k == 0 ? heading : std::string());
-  body += limit_legend(*check.capability, grid[simulation::ability_count]);
+  body += limit_legend(check, grid[simulation::ability_count]);
   draw(path, grid.width(), grid.height(), body + "unset multiplot\n");
 }
 

@@ -214,7 +214,7 @@ bool add_lower_modes(const CaseFile& file, std::vector<std::string>& words) {
   return !all.empty();
 }
 
-void add_attribution(const CaseFile& file, std::vector<std::string>& words) {
+void add_attribution(const CaseFile& file, bool brief, std::vector<std::string>& words) {
   constexpr std::size_t most = 3;
   if (std::ranges::any_of(file.drops, [](const auto& d) { return d.resonance.omega == 0.0; })) {
     words.push_back(fmt::format("Calculated at pose {} for the {} machine{}: the legs fold.",
@@ -242,7 +242,7 @@ void add_attribution(const CaseFile& file, std::vector<std::string>& words) {
         weight_text(drop.resonance.mac, drop.resonance.omega, drop.resonance.omega_rigid),
         parts.empty() ? "no part alone" : fmt::format("{}", fmt::join(parts, ", "))));
   }
-  const bool lower = add_lower_modes(file, words);
+  const bool lower = (!brief || drops.empty()) && add_lower_modes(file, words);
   if (drops.empty() && !lower && !file.drops.empty())
     words.push_back(fmt::format(
         "Calculated at pose {} for the {} machine{}: rigid seals, gimbals and base would raise no "
@@ -360,7 +360,7 @@ std::string goal_words(const RemedyGoal& goal) {
   return fmt::format("at least {}{}", frequency_text(goal.omega.value_or(0.0)), where);
 }
 
-std::vector<std::string> summary(const CaseFile& file) {
+std::vector<std::string> summary(const CaseFile& file, bool brief) {
   std::vector<std::string> words;
   if (file.diagnosis) {
     const auto& d = *file.diagnosis;
@@ -394,7 +394,7 @@ std::vector<std::string> summary(const CaseFile& file) {
   }
   if (!file.diagnosis && file.kind == dynamics::ModelKind::rigid)
     words.push_back(nothing_to_attribute(file));
-  add_attribution(file, words);
+  if (!brief || !file.diagnosis) add_attribution(file, brief, words);
   if (file.remedy) words.push_back(remedy_words(file));
   return words;
 }

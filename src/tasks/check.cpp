@@ -40,6 +40,7 @@ void add_offsets(const model::Machine& machine, int i, const dynamics::LegState&
   const auto& leg = machine.legs[i];
   const auto bent = dynamics::bent_leg(leg, result.pose.X_BP * leg.platform_joint,
                                        machine.flexible_axes, machine.gravity, state);
+  result.legs[i].oil_stiffness = hydraulics::oil_stiffness(leg, bent.element.l_m);  // as in K
   result.legs[i].sleeve_offset = bent.element.sleeve_offset.norm();
   if (kind == dynamics::ModelKind::full)
     result.legs[i].ring_offset = state.flexible.tail<2>().norm();

@@ -304,6 +304,9 @@ Evaluation evaluate(const Machine& machine, const EvaluateOptions& options) {
   problem.outputs = study::design_outputs(problem);
   const auto columns =
       columns_asked(file, problem.machine, problem.kind, problem.outputs, options.outputs);
+  for (const int column : columns)
+    if (const auto& output = problem.outputs[static_cast<std::size_t>(column)]; output.unit == "Hz")
+      result.frequencies.push_back(output.name);
   const auto by = derivative_variables(file);
   study::DesignModel model(problem, machine.pose, columns);
   std::vector<double> outputs(problem.outputs.size());

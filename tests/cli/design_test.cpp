@@ -205,6 +205,7 @@ TEST_F(Evaluate, AnswersTheStandardFormat) {
   write(2.3e6, 14100.0, 3, 1);
   const auto evaluated = run();
   ASSERT_EQ(evaluated.exit_code, 0) << evaluated.err;
+  EXPECT_THAT(evaluated.err, HasSubstr("evaluation 3.7: frequencies of undamped modes: lowest\n"));
   const auto found = numbers();
   ASSERT_EQ(found.size(), 4U) << test::read_text(results);  // two values, one gradient
   const auto sensitivity = test::run_hydrapod(

@@ -86,6 +86,10 @@ TEST_F(DiagnoseCommand, CallsNominalWhatTheFileStates) {
   EXPECT_THAT(found.out, HasSubstr("rigid Hz  fitted Hz  share  required Hz   drop  share  peak"));
   EXPECT_THAT(found.out, HasSubstr("for the fitted machine (undamped modes): the "));
   EXPECT_THAT(found.out, testing::Not(HasSubstr("The nominal stiffness")));
+  const auto brief = run_hydrapod(command({"--measured", modes(), "--brief"})).out;
+  EXPECT_THAT(brief,
+              testing::AllOf(HasSubstr("Identified cause: "), HasSubstr("Required stiffness"),
+                             testing::Not(HasSubstr("Calculated at pose"))));
   // rigid legs explain the modes of sleeves like steel: nothing is fitted, and the file's stay
   const auto rigid = json_of({"modes", machine_, "--model", "rigid", "--format", "json"});
   std::string list = "frequency [Hz],deviation [%],x,y,z,rx,ry,rz\n";

@@ -148,7 +148,7 @@ TEST_F(Identify, TheTableSaysWhatItIs) {
   const auto run = test::run_hydrapod({"identify", write()});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.out, HasSubstr("3 inputs, 3 outputs"));
-  EXPECT_THAT(run.out, HasSubstr("± is half the 95 % interval"));
+  EXPECT_THAT(run.out, HasSubstr("\nHz: |λ| of damped modes. ± is half the 95 % interval"));
   EXPECT_THAT(run.out, HasSubstr("ERA"));
 }
 
@@ -391,6 +391,13 @@ TEST_F(MeasuredMachine, IsComparedWithItsFile) {
   const auto table = test::run_hydrapod({"identify", path, "--machine", file, "--model", "rigid"});
   EXPECT_THAT(table.out, HasSubstr("Compared with Heavy motion platform, pose neutral, rigid "
                                    "model: mechanics, legs as springs"));
+  EXPECT_THAT(table.out, testing::ContainsRegex(
+                             "\n\n6 of 6 modes are in the model; largest difference of a frequency "
+                             ".*0\\.00 % \\(mode .\\), lowest MAC 1\\.000 \\(mode .\\)\\.\n$"));
+  const auto brief =
+      test::run_hydrapod({"identify", path, "--machine", file, "--model", "rigid", "--brief"});
+  EXPECT_THAT(brief.out, testing::AllOf(HasSubstr("\n6 of 6 modes are in the model; "),
+                                        testing::Not(HasSubstr("model Hz"))));
 }
 
 TEST_F(MeasuredMachine, ModesThatTheModelLacksAreSaid) {

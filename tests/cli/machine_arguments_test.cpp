@@ -1,12 +1,16 @@
 /// FILE, --set, --pose, --model, --format and -o, which all commands take alike.
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <sstream>
 #include <string>
 #include <vector>
 
+#include "hydrapod/terminal.hpp"
 #include "support/json_fields.hpp"
 
 namespace hydrapod {
@@ -170,6 +174,23 @@ TEST(Terminal, GetsTablesThatFit) {
                             HasSubstr("\nmode  kinetic energy")));
   const std::string wide = on_a_terminal(220, call);
   EXPECT_THAT(wide, Not(HasSubstr("\nmode  kinetic energy")));
+}
+
+/// Long lines take several rows of the terminal.
+TEST(Terminal, BriefFitsTwentyFourRows) {
+  if (on_a_terminal(80, "echo here").empty()) GTEST_SKIP() << "no pseudo terminals here";
+  for (const char* command : {"modes", "check", "sensitivity", "diagnose"}) {
+    std::istringstream text(
+        on_a_terminal(80, fmt::format("env NO_COLOR=1 {} {} '{}' --brief --quiet",
+                                      test::hydrapod_program().string(), command, heavy)));
+    std::size_t rows = 0;
+    for (std::string line; std::getline(text, line);) {
+      std::erase(line, '\r');
+      rows += std::max<std::size_t>(1, (cli::display_width(line) + 79) / 80);
+    }
+    EXPECT_GT(rows, 5U) << text.str();
+    EXPECT_LE(rows, 24U) << text.str();
+  }
 }
 
 }  // namespace

@@ -249,6 +249,15 @@ TEST(Modes, SayWhichFrequenciesTheyHave) {
   EXPECT_THAT(run_hydrapod({"modes", published}).out,
               HasSubstr("\nHz and rad/s: natural frequencies |λ| of the damped modes, as they are "
                         "measured\n"));
+  EXPECT_THAT(run_hydrapod({"modes", heavy, "--pose", "neutral", "--pose", "low"}).out,
+              HasSubstr("\nHz: natural frequencies |λ| of the damped modes"));
+  EXPECT_THAT(run_hydrapod({"modes", published, "--amplitude", "1 mm"}).out,
+              HasSubstr("Hz: of the balance of springs and masses, without dampers."));
+  EXPECT_THAT(run_hydrapod({"modes", published, "--open-loop"}).out,
+              HasSubstr("\nHz and rad/s: |λ| of the poles.\n"));
+  EXPECT_THAT(run_hydrapod({"check", published}).out, HasSubstr(" Hz (|λ| of the damped mode)."));
+  EXPECT_THAT(run_hydrapod({"compare", published, "--pose", "neutral", "--pose", "z=5 mm"}).out,
+              HasSubstr("\nHz: |λ| of damped modes."));
 }
 
 TEST(Modes, DoNotBlameTheSleevesWhereTheOilIsTooSoft) {

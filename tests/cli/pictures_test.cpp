@@ -162,6 +162,14 @@ TEST_F(Pictures, AndTablesOfStudiesSayThatTheirFrequenciesAreUndamped) {
                 testing::StartsWith("undamped frequency of the "));
 }
 
+TEST_F(Pictures, AndHelpOfStudiesSaysItToo) {
+  for (const char* command : {"montecarlo", "sweep", "map", "design", "evaluate"})
+    EXPECT_THAT(run_hydrapod({command, "--help"}).out,
+                HasSubstr("\n  Outputs in Hz are frequencies of undamped modes; where seals are "
+                          "elastomers, of damped modes.\n"))
+        << command;
+}
+
 TEST_F(Pictures, DampedFrequenciesAreTheSameInAllCommands) {
   const auto json = [&](const std::string& command) {
     const auto run =

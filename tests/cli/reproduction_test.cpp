@@ -101,6 +101,12 @@ TEST_F(Reproduction, OfEveryMeasuredResultIsItsCommand) {
               ElementsAre("run 1.h5"));
   EXPECT_THAT(paths(expect_repeatable({"identify", "run 1.h5", "--to", "60", "-o", "found.json"})),
               ElementsAre("run 1.h5"));
+  EXPECT_THAT(paths(expect_repeatable({"compare", machine, "run 1.h5", "-o", "sides.json"})),
+              ElementsAre(machine, "run 1.h5"));
+  EXPECT_THAT(
+      paths(expect_repeatable({"report", machine, "--command", "step z=2 mm, rise=0.1 s",
+                               "--measured", "run 1.h5", "--format", "json", "-o", "page.json"})),
+      ElementsAre(machine, "run 1.h5"));
   test::write_text(folder / "modes.csv",
                    "frequency [Hz],deviation [%],x,y,z,rx,ry,rz\n"
                    "4.71,1,1,0,0,0,0.2,0\n4.72,1,0,1,0,0.2,0,0\n8.8,1,0,0,1,0,0,0\n");

@@ -423,6 +423,25 @@ TEST(SystemModes, SayWhetherTheLoopIsStable) {
   EXPECT_NEAR(json.at("delay").at("seconds").get<double>(), 1.5e-3, 1e-15);
 }
 
+/// Just below the limit the poles of the approximation grow, those of the sampled loop do not.
+TEST(SystemModes, MarkThePolesOfWhichTheVerdictSpeaks) {
+  const std::vector<std::string> words{"modes", published, "--system", "--set"};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), words.begin(), words.end());
+    return run_hydrapod(more).out;
+  };
+  const auto table = with({"controller.gain=33.9"});
+  EXPECT_THAT(table, AllOf(testing::ContainsRegex(
+                               "  stable, sampled  platform x.*\n.*  stable, sampled  platform y"),
+                           testing::Not(HasSubstr("  UNSTABLE")), HasSubstr("\nstable: "),
+                           HasSubstr("; the continuous approximation would be unstable\n")));
+  const auto json = nlohmann::json::parse(with({"controller.gain=33.9", "--format", "json"}));
+  for (const auto& pole : json.at("poles")) EXPECT_EQ(pole.at("stable"), true);
+  EXPECT_THAT(with({"controller.gain=34.03"}),
+              AllOf(HasSubstr("  UNSTABLE  platform x"), HasSubstr("  UNSTABLE  platform y"),
+                    testing::Not(HasSubstr("sampled  ")), HasSubstr("\nUNSTABLE: ")));
+}
+
 TEST(SystemModes, WithoutTheControllerTheOilModesAreThoseOfTheMechanics) {
   const auto result =
       run_hydrapod({"modes", published, "--open-loop", "--model", "rigid", "--format", "json"});

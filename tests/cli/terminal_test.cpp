@@ -56,6 +56,17 @@ TEST(Table, TooWideComesInPartsThatBeginWithTheFirstColumn) {
   EXPECT_EQ(table.text({false, 3}), table.text({false, 1})) << "never less than two columns";
 }
 
+TEST(Table, InBriefIsTheFirstPartAndSaysHowMuchIsLeft) {
+  Table table({"mode", "Hz", "<label", "MAC"});
+  table.add_row({"1", "7.4", "x, oil springs", "0.99"});
+  table.add_row({"2", "8.5", "seals"});
+  EXPECT_EQ(table.text({.width = 26, .rows = 1, .brief = true}),
+            "mode   Hz  label\n"
+            "   1  7.4  x, oil springs\n"
+            "… and 1 more row and 1 more column; --all shows them\n");
+  EXPECT_EQ(table.text({.width = 31, .brief = true}), table.text()) << "it just fits";
+}
+
 TEST(Table, OfManyRowsShowsTheFirstOnesAndSaysHowManyAreLeft) {
   Table table({"mode", "Hz"});
   for (int k = 1; k <= 5; ++k) table.add_row({std::to_string(k), std::to_string(10 * k)});

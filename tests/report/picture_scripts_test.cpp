@@ -9,6 +9,7 @@
 #include <numbers>
 #include <sstream>
 
+#include "hydrapod/base/units.hpp"
 #include "hydrapod/report/measured_results.hpp"
 #include "hydrapod/report/model_results.hpp"
 #include "report/gnuplot.hpp"
@@ -351,11 +352,18 @@ TEST(PicturesOfComparisons, PhasesThatPassHalfATurnDoNotJump) {
 TEST(PicturesOfCapability, SayWhichMachineTheyAreOf) {
   PoseCheck check;
   check.pose.name = "high";
-  check.capability.emplace();
+  check.first_resonance = 16.1 * base::two_pi;
+  check.capability.emplace().gain_limit = 5.46;
+  check.capability->combined = {0.19, 0.21, 0.37};
   const auto script = script_of([&](const auto& path) {
     plot_capability(check, {.title = "Rig", .subtitle = "machine: nominal, with a=1"}, path);
   });
-  EXPECT_THAT(script, AllOf(HasSubstr("'Rig'"), HasSubstr("; machine: nominal, with a=1'")));
+  EXPECT_THAT(script, AllOf(HasSubstr("'Rig'"), HasSubstr("; machine: nominal, with a=1'"),
+                            HasSubstr("'all six directions at once: 19 % of forces,'"),
+                            HasSubstr("'21 % of speeds, 37 % of accelerations'"),
+                            HasSubstr("'lowest mode (|λ|): 16.1 Hz'"),
+                            HasSubstr("'loop gain below 5.46 1/s; half of it:'"),
+                            HasSubstr("'bandwidth 0.434 Hz'")));
 }
 
 TEST(PicturesOfDiagnoses, SayAtWhichPoseAModeWasMeasured) {

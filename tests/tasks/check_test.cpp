@@ -1,8 +1,12 @@
-/// `check` of machines whose seals are elastomers, against those with ideal springs.
+/// `check`: springs of legs that are bent; seals that are elastomers, against ideal springs.
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "hydrapod/hydraulics/servo_axis.hpp"
 #include "hydrapod/tasks/linear.hpp"
+#include "support/loop_machine.hpp"
 #include "support/symmetric_machine.hpp"
 
 namespace hydrapod::test {
@@ -15,6 +19,30 @@ report::PoseCheck check_of(const model::Machine& machine, ModelKind kind = Model
   file.machine = machine;
   return tasks::check({.file = file, .pose = {"neutral", machine.neutral()}, .kind = kind}, {})
       .front();
+}
+
+/// A tilted rod lets the piston out of its case: by the law of cosines in the triangle of base
+/// joint, piston and platform joint. The oil spring is the one there, as in K.
+TEST(CheckOfOilSprings, HasThoseOfTheModes) {
+  const auto machine =
+      simulation::machine_of("heavy-platform", {"legs.guide_sleeve.stiffness=2e6 N/m"});
+  const auto found = check_of(machine);
+  ASSERT_TRUE(found.equilibrium);
+  const auto model = dynamics::linear_model(machine, machine.neutral(), ModelKind::guide);
+  double most = 0.0;
+  for (std::size_t i = 0; i < model::leg_count; ++i) {
+    const auto& leg = machine.legs[i];
+    const auto& of = found.legs[i];
+    EXPECT_NEAR(of.oil_stiffness, model.legs[i].k_h, 1e-12 * model.legs[i].k_h);
+    const double across = leg.rod.length * std::sin(of.tilt),
+                 piston = std::sqrt(of.length * of.length - across * across) -
+                          leg.rod.length * std::cos(of.tilt),
+                 bent = hydraulics::oil_stiffness(leg, piston);
+    EXPECT_NEAR(of.oil_stiffness, bent, 1e-9 * bent);
+    const double straight = hydraulics::oil_stiffness(leg, of.length - leg.rod.length);
+    most = std::max(most, std::abs(of.oil_stiffness / straight - 1.0));
+  }
+  EXPECT_GT(most, 1e-6);  // it would be seen
 }
 
 TEST(CheckOfElastomers, HasTheOffsetsOfSealsUnderPressure) {

@@ -132,6 +132,7 @@ TEST(RoundTrip, System) {
 TEST(RoundTrip, SystemOfAnUndampedOscillationIsStable) {
   auto system = tasks::system(heavy(), {.closed = true});
   ASSERT_TRUE(system.poles.stable);
+  system.poles.sampled.clear();  // they would decide
   for (const double rounding : {-3e-11, 3e-11}) {
     system.poles.poles.front().pole = {rounding, 271.3};
     const auto json = report::system_json(system);

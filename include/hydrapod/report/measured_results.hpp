@@ -297,8 +297,9 @@ const diagnosis::Hypothesis* fits_anything(const diagnosis::Diagnosis& diagnosis
 std::vector<std::string> note_words(const diagnosis::Diagnosis& diagnosis);
 /// "a drop of at most 2 %", "at least 5.2 Hz in x".
 std::string goal_words(const diagnosis::RemedyGoal& goal);
-/// Sentences, most important first.
-std::vector<std::string> summary(const diagnosis::CaseFile& file);
+/// Sentences, most important first. `brief`: beside a measurement without what is calculated of the
+/// fitted machine.
+std::vector<std::string> summary(const diagnosis::CaseFile& file, bool brief = false);
 
 /// `summary[]`, `finding`, `hypotheses[]`, `measured_modes[]`, `discriminators[]`,
 /// `attribution[]`, `remedy`.

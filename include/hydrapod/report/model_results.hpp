@@ -39,7 +39,7 @@ struct LegCheck {
   double guided_length{};                ///< l_mh [m]
   std::optional<double> retract_left{};  ///< stroke left inwards [m]; none without a stroke
   std::optional<double> extend_left{};   ///< and outwards [m]
-  double oil_stiffness{};                ///< k_h [N/m]; of a strut its stiffness
+  double oil_stiffness{};  ///< k_h of the leg as it is bent [N/m]; of a strut its stiffness
   double axial_force{};    ///< static, of the oil on the piston [N], positive in compression
   double tilt{};           ///< static tilt of the rod in the guide sleeve [rad]
   double sleeve_offset{};  ///< static, of the rod at the guide sleeve [m]
@@ -205,6 +205,10 @@ void plot_bode(const Bode& bode, const std::vector<Entry>& entries, const PlotTe
 /// What takes part in a pole, in words: "oil 41 %, controller 38 %, platform z 12 %"; parts below
 /// 10 % are left out. A leg that has most of a part's share is named.
 std::string participation_text(const simulation::SystemPole& pole);
+
+/// Which of `poles.poles` grow. In a sampled loop its exact poles decide: each of them that grows
+/// is the nearest of the continuous approximation that is left.
+std::vector<bool> growing(const simulation::SystemPoles& poles);
 
 /// "stable: …" or "unstable: …", by the sampled loop, with the pole that decides it.
 std::string verdict_text(const simulation::SystemPoles& poles);

@@ -133,6 +133,7 @@ struct Evaluation {
   std::string failure{};                      ///< why it says FAIL; empty where it does not
   std::vector<std::string> by_differences{};  ///< outputs whose gradients are central differences
   std::string id{};                           ///< eval_id
+  std::vector<std::string> frequencies{};     ///< outputs asked for that are frequencies [Hz]
 };
 
 /// One evaluation for Dakota, or for any program that speaks its files: parameters in, results out.

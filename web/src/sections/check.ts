@@ -104,7 +104,7 @@ function facts(pose: PoseCheck): string {
     not_sought: '',
   }[buckling.status];
   return [
-    first === undefined ? '' : `lowest mode ${hertz(first / (2 * Math.PI))} Hz`,
+    first === undefined ? '' : `lowest mode ${hertz(first / (2 * Math.PI))} Hz (|λ| of the damped mode)`,
     load,
     able?.gain_limit_1_s === undefined ? '' : `a position loop without damping feedback is stable up to a gain of ${fixed(able.gain_limit_1_s, 1)} 1/s`,
     `condition of the Jacobian ${fixed(pose.condition, 1)}`,

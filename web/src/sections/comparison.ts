@@ -176,7 +176,7 @@ function notes(all: SideBySide, one: Compared): HTMLElement {
   const lines = [
     ...left(one.first_left, 0),
     ...left(one.second_left, one.thing - 1),
-    `Shapes: ${one.shapes}.`,
+    `Hz: |λ| of damped modes. Shapes: ${one.shapes}.`,
     words.size > 0 && !words.has('significant') && !words.has('not_significant') ? 'No difference was tested for significance.' : '',
     words.has('significant') || words.has('not_significant') ? `Significant: ${all.test}; ± is half the 95 % interval.` : '',
     words.has('calculated') ? 'Calculated: both values are calculated and have no measurement uncertainty.' : '',

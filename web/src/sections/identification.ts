@@ -135,6 +135,7 @@ class IdentificationSection {
       ),
       html('h3', {}, 'Modes'),
       this.table.element,
+      html('p', { class: 'note' }, 'Hz: |λ| of damped modes.'),
       this.error,
       html('h3', {}, 'Response and fit'),
       controlRow(output, input),

@@ -81,6 +81,7 @@ class WhatIf {
           this.tools(),
           this.state_,
           this.table,
+          html('p', { class: 'note' }, 'Hz: |λ| of the damped modes.'),
           this.buckling,
           this.directionChooser(),
           this.plot.element,
