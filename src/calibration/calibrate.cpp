@@ -59,7 +59,7 @@ Combination make_combination(const model::MachineFile& file, const Targets& targ
   made.candidate.overrides = overrides_of(plan.alternatives, choice);
   const auto with_choices = file_with_choices(file, made.candidate);
   std::vector<base::Diagnostic> errors;
-  auto variables = make_variables(plan.free, with_choices, errors);
+  auto variables = make_variables(plan.free, with_choices, targets, errors);
   if (!plan.alternatives.empty())
     for (auto& error : errors)
       error.message += fmt::format("; tried with \"{}\"", made.candidate.name);
@@ -271,7 +271,7 @@ Profile profile(const model::MachineFile& file, const Targets& targets, const Pl
   const auto range = profile_range(parameter);
   const auto with_choices = file_with_choices(file, candidate);
   std::vector<base::Diagnostic> errors;
-  auto variables = make_variables(plan.free, with_choices, errors);
+  auto variables = make_variables(plan.free, with_choices, targets, errors);
   if (!errors.empty()) throw base::InputError(errors);
   for (std::size_t j = 0; j < variables.size(); ++j) {
     const auto& p = candidate.parameters[j];

@@ -10,9 +10,9 @@ namespace hydrapod::calibration {
 inline constexpr double infinite = std::numeric_limits<double>::infinity();
 
 /// Resolves `free` against the numbers of `file`. Mistakes of all of them go to `errors`; the
-/// result is then of no use.
+/// result is then of no use. `targets`: friction can be fitted where they have amplitudes.
 std::vector<Variable> make_variables(const std::vector<FreeParameter>& free,
-                                     const model::MachineFile& file,
+                                     const model::MachineFile& file, const Targets& targets,
                                      std::vector<base::Diagnostic>& errors);
 
 /// Start and bounds of the variable, and how it is scaled between them.

@@ -45,7 +45,7 @@ void comes_back(const std::vector<std::string>& design, const std::string& path,
   auto with = design;
   with.push_back(fmt::format("{}={}", path, value));
   const auto targets = at_both_amplitudes(test::machine_file(text, with), amplitudes);
-  ASSERT_GE(targets.modes.size(), 10U);
+  ASSERT_GE(targets.modes.size(), 8U);
   with.back() = fmt::format("{}={}", path, 0.67 * value);
   const auto start = test::machine_file(text, with);
   Plan plan{.free = test::free_paths({path})};
@@ -58,8 +58,15 @@ void comes_back(const std::vector<std::string>& design, const std::string& path,
   auto small = targets;
   for (auto& mode : small.modes) mode.amplitude = 0.0;
   small.modes.resize(6);
-  const auto none = calibrate(start, small, plan, ModelKind::guide).best();
-  EXPECT_EQ(none.parameters.at(0).verdict, Verdict::undetermined) << path;
+  bool unknown = false;
+  try {
+    unknown = calibrate(start, small, plan, ModelKind::guide).best().parameters.at(0).verdict ==
+              Verdict::undetermined;
+  } catch (const base::InputError& error) {
+    unknown =
+        error.diagnostics().front().message == "has no effect on the modes; it cannot be fitted";
+  }
+  EXPECT_TRUE(unknown) << path;
 }
 
 TEST(Amplitudes, GiveTheSofteningOfElastomers) {
@@ -77,7 +84,7 @@ TEST(Amplitudes, GiveTheBristlesOfSeals) {
 
 TEST(Amplitudes, GiveTheBristlesOfJoints) {
   comes_back({"legs.guide_sleeve.stiffness=8.7e6", "legs.joint_friction.coulomb=57 N m"},
-             "legs.joint_friction.bristle_stiffness", 6.7e5, {6.1e-5, 7.3e-4});
+             "legs.joint_friction.bristle_stiffness", 6.7e5, {7.1e-6, 4.3e-5});
 }
 
 TEST(Amplitudes, AreOfMechanicsAlone) {

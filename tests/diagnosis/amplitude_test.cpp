@@ -14,8 +14,6 @@ using dynamics::ModelKind;
 using test::BlindCase;
 using test::names_of;
 
-constexpr const char* of_softening = "softening of the guide sleeves' elastomers";
-
 const std::vector<std::string> stated_softening{
     "legs.guide_sleeve.elastomer.dynamic_ratio=1.73",
     "legs.guide_sleeve.elastomer.loss_factor=0.17", "legs.guide_sleeve.elastomer.frequency=7.3 Hz",
@@ -38,17 +36,31 @@ observation::Targets at_two_amplitudes(const BlindCase&, const model::MachineFil
   return all;
 }
 
-TEST(CausesAtAmplitudes, SofteningIsFound) {
+/// Of the two causes that make the seals softer the softening alone does so at one amplitude more
+/// than at the other.
+TEST(CausesAtAmplitudes, SofteningIsToldFromSofterSeals) {
   const BlindCase planted{.machine = "heavy-platform.toml",
-                          .design = stated_softening,
-                          .fault = {"legs.guide_sleeve.elastomer.softening=0.47"},
-                          .planted = {of_softening}};
-  const auto d = test::run_blind(planted, at_two_amplitudes).diagnosis;
-  EXPECT_THAT(names_of(d), testing::ElementsAre(of_softening)) << test::verdict(d);
-  const auto& number = test::find(d, of_softening)->fit.parameters.at(0);
+                          .fault = {"legs.guide_sleeve.elastomer.softening=0.47"}};
+  auto faulty = stated_softening;
+  faulty.insert(faulty.end(), planted.fault.begin(), planted.fault.end());
+  const auto file = test::machine_file(planted.text(), stated_softening);
+  const auto targets =
+      weighted_targets(file, at_two_amplitudes(planted, test::machine_file(planted.text(), faulty)),
+                       {.frequency_error = 1e-4});
+  std::vector<Cause> both;
+  for (const auto& cause : causes_of(file))
+    if (cause.kind == Cause::Kind::softening ||
+        (cause.kind == Cause::Kind::guide_sleeves && !cause.leg))
+      both.push_back(cause);
+  ASSERT_EQ(both.size(), 2U);
+  const Evidence evidence(file, targets, ModelKind::guide, both);
+  const auto softer = evidence.explain({0}, nullptr, {}),
+             softening = evidence.explain({1}, nullptr, {});
+  const auto& number = softening.fit.parameters.at(0);
   EXPECT_NEAR(number.value, 0.47, 3.0 * number.deviation);
-  EXPECT_LT(number.deviation, 0.05);
-  test::expect_round_trip_of({.diagnosis = d});
+  EXPECT_LT(number.deviation, 0.1);
+  EXPECT_GT(softer.misfit, softening.misfit + 20.0);
+  EXPECT_GT(evidence.nominal().misfit, softening.misfit + 100.0);
 }
 
 /// Without amplitudes it changes nothing, and is no cause.

@@ -119,12 +119,14 @@ TEST_P(UnderGravity, EquilibriumAndFrequenciesAreThoseOfMujoco) {
 }
 
 /// Rods that lie on their guide rings, where the force is k_c (|d| − g) along d, and rods that do
-/// not reach them. Offsets are tenths of a millimetre, of which the differences take hundredths.
+/// not reach them. Offsets are tenths of a millimetre, of which differences of the force take
+/// hundredths, so that the rounding of the equilibrium counts.
 class OnGuideRings : public testing::TestWithParam<AxesAndKind> {};
 
 TEST_P(OnGuideRings, EquilibriumAndFrequenciesAreThoseOfMujoco) {
   const auto [axes, kind] = GetParam();
   Random random(881);
+  constexpr double of_short_steps = 1e-4;
   constexpr double corner = 0.11;  // of the gap; within it the ring of the library is smooth
   int pressed = 0, free = 0, machines = 0;
   for (int i = 0; i < 30 && machines < 8; ++i) {
@@ -151,7 +153,7 @@ TEST_P(OnGuideRings, EquilibriumAndFrequenciesAreThoseOfMujoco) {
     const auto differ = compare(machine, machine.neutral(), kind, 3e-6);
     EXPECT_LE(differ.oil_force, equilibrium_tolerance);
     EXPECT_LE(differ.bend, equilibrium_tolerance);
-    EXPECT_LE(differ.frequency, 10.0 * frequency_tolerance);
+    EXPECT_LE(differ.frequency, of_short_steps);
   }
   EXPECT_GE(machines, 5);
   EXPECT_GE(pressed, 20);
