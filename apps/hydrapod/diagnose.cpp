@@ -16,7 +16,7 @@ struct Arguments {
   MachineArguments machine{};
   DiagnosisArguments diagnosis{};
   double frequency_error{0.2};  // [%]
-  double common_share{50.0};    // [%]
+  double common_share{};        // [%]
   double shape_error{5.0};      // [%]
   double response_error{10.0};  // [%]
   bool modes_only{};

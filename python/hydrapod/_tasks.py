@@ -428,7 +428,7 @@ def _diagnosis(files: List[str], options: Dict[str, Any]) -> Dict[str, Any]:
 
 def diagnose(machine: Machine, measured: Measured = (), *, against: str = "auto",
              want: Optional[Quantity] = None, poses: Optional[Texts] = None, model_error: Quantity = 0.002,
-             common_share: Quantity = 0.5, shape_error: Quantity = 0.05, response_error: Quantity = 0.1,
+             common_share: Quantity = 0.0, shape_error: Quantity = 0.05, response_error: Quantity = 0.1,
              modes_only: bool = False, damping: bool = False, threads: int = 0, progress: Optional[Progress] = None) -> Diagnosed:
     """Cause of low frequencies, its uncertainty, and the stiffness that is required.
 

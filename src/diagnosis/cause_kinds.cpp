@@ -9,8 +9,8 @@ namespace {
 
 /// Kinds that are not in pairs are represented there by another one that does nearly the same: air,
 /// gimbals and seals that stick change the same springs as the bulk modulus, rods that bend and
-/// elastomers the same as the guide sleeves, only otherwise from pose to pose, from frequency to
-/// frequency or from amplitude to amplitude.
+/// elastomers the same as the guide sleeves, only otherwise from pose to pose or from frequency
+/// to frequency.
 struct OfKind {
   Cause::Kind kind{};
   Family family{};
@@ -44,12 +44,9 @@ constexpr std::array kinds{OfKind{Cause::Kind::guide_sleeves, Family::guide_slee
                            OfKind{Cause::Kind::elastomer_loss, Family::elastomers, alone},
                            OfKind{Cause::Kind::struts, Family::leg_axes},
                            OfKind{Cause::Kind::screws, Family::leg_axes},
-                           OfKind{Cause::Kind::guide_clearance, Family::guide_sleeves, alone},
-                           OfKind{Cause::Kind::softening, Family::elastomers, alone},
-                           OfKind{Cause::Kind::seal_bristles, Family::leg_axes, alone},
-                           OfKind{Cause::Kind::joint_bristles, Family::joints, alone}};
+                           OfKind{Cause::Kind::guide_clearance, Family::guide_sleeves, alone}};
 
-static_assert(kinds.size() == static_cast<std::size_t>(Cause::Kind::joint_bristles) + 1);
+static_assert(kinds.size() == static_cast<std::size_t>(Cause::Kind::guide_clearance) + 1);
 
 const OfKind& of(Cause::Kind kind) { return *std::ranges::find(kinds, kind, &OfKind::kind); }
 
@@ -57,12 +54,6 @@ const OfKind& of(Cause::Kind kind) { return *std::ranges::find(kinds, kind, &OfK
 
 Family Cause::family() const { return of(kind).family; }
 bool Cause::in_pairs() const { return of(kind).in_pairs; }
-
-bool needs_amplitude(const Cause& cause) {
-  using Kind = Cause::Kind;
-  return cause.kind == Kind::softening || cause.kind == Kind::seal_bristles ||
-         cause.kind == Kind::joint_bristles;
-}
 
 bool can_be_together(const Cause& a, const Cause& b) {
   if (!a.in_pairs() || !b.in_pairs()) return false;

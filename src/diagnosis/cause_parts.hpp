@@ -62,6 +62,5 @@ void add_guide_sleeves(const model::MachineFile& file, std::vector<Cause>& all);
 void add_piston_rings(const model::MachineFile& file, std::vector<Cause>& all);
 void add_guide_clearance(const model::MachineFile& file, std::vector<Cause>& all);
 void add_elastomers(const model::MachineFile& file, std::vector<Cause>& all);
-void add_what_amplitudes_show(const model::MachineFile& file, std::vector<Cause>& all);
 
 }  // namespace hydrapod::diagnosis::causes

@@ -361,8 +361,7 @@ std::vector<Cause> causes_of(const model::MachineFile& file) {
   for (const auto add :
        {add_struts_and_screws, causes::add_guide_sleeves, causes::add_piston_rings, add_oil,
         add_gimbals, add_sticking_seals, add_platform, add_base, add_oil_lines, add_leakage,
-        add_payload_modes, add_bending, causes::add_guide_clearance, causes::add_elastomers,
-        causes::add_what_amplitudes_show})
+        add_payload_modes, add_bending, causes::add_guide_clearance, causes::add_elastomers})
     add(file, all);
   for (auto& cause : all)
     for (auto& free : cause.free) free.paths = paths_in_file(file, free.paths);

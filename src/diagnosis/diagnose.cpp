@@ -239,6 +239,15 @@ std::optional<std::string> hold_controllers(const model::MachineFile& file,
   return {};
 }
 
+/// Deviations of what is blamed, with the model's error.
+void widen(const Evidence& evidence, Diagnosis& d, double frequency_error, Watch& watch) {
+  for (const auto k : d.equivalent) {
+    if (watch.stopped()) return;
+    auto& e = d.hypotheses[k];
+    if (!e.causes.empty()) if_possible([&] { evidence.widen(e, frequency_error); });
+  }
+}
+
 /// What is compared: modes with the deviations that count, of the system that was measured or,
 /// where the nominal machine cannot be had so, of mechanics; lines of responses.
 void take_targets(const model::MachineFile& file, const observation::Targets& measured,
@@ -277,8 +286,6 @@ Diagnosis diagnose(const model::MachineFile& file, const observation::Targets& m
                    const DiagnoseOptions& options, const Progress& progress) {
   Diagnosis d{.causes = causes_of(file), .targets = weighted_targets(file, measured, options)};
   take_targets(file, measured, kind, options, d);
-  if (std::ranges::all_of(d.targets.modes, [](const auto& mode) { return mode.amplitude == 0.0; }))
-    std::erase_if(d.causes, needs_amplitude);
   settle_air(file, d.targets, kind, d.causes);
   d.values = values_in(d.targets);
   const Evidence evidence(file, d.targets, kind, d.causes);
@@ -301,6 +308,8 @@ Diagnosis diagnose(const model::MachineFile& file, const observation::Targets& m
   if (!watch.stopped() && pairs_can_win(d)) try_pairs(evidence, options, d, watch);
   judge(d);
   find_slips(file, kind, d);
+  if (!d.equivalent.empty() && options.common_share == 0.0)
+    widen(evidence, d, options.frequency_error, watch);
   trace_modes(file, d);
   if (!watch.stopped()) describe(evidence, d, options.threads, watch);
   Predictions predictions(file, d.targets, kind);

@@ -372,6 +372,16 @@ Hypothesis Evidence::explain(const std::vector<std::size_t>& causes, const Hypot
   return e;
 }
 
+void Evidence::widen(Hypothesis& e, double frequency_error) const {
+  Targets shifted = e.by_mechanics ? by_mechanics_ : targets_;
+  for (auto& mode : shifted.modes) mode.omega *= 1.0 + frequency_error;
+  const auto other = refit(e, shifted, false, {});
+  for (std::size_t k = 0; k < e.fit.parameters.size(); ++k) {
+    auto& p = e.fit.parameters[k];
+    p.deviation = std::hypot(p.deviation, other.parameters[k].value - p.value);
+  }
+}
+
 std::optional<Evidence::Part> Evidence::explain_direction(std::size_t cause, int direction,
                                                           const numerics::Progress& stop) const {
   const auto of_direction = [&](const ModeTarget& mode) { return mode.direction == direction; };

@@ -11,9 +11,6 @@ namespace hydrapod::diagnosis {
 /// All causes of a machine.
 std::vector<Cause> causes_of(const model::MachineFile& file);
 
-/// Does it change nothing where no mode was measured at an amplitude?
-bool needs_amplitude(const Cause& cause);
-
 /// Can both be the cause at once, and are they worth being tried together?
 bool can_be_together(const Cause& a, const Cause& b);
 
@@ -80,6 +77,9 @@ class Evidence {
   /// everything that was measured better than its own. Modes of mechanics, which are undamped, do
   /// not lead to seals that are so soft that their dampers hold the rod.
   void scan_seals(Hypothesis& hypothesis, const numerics::Progress& stop) const;
+  /// Adds to the deviations of its parameters what a model error that all frequencies share makes
+  /// of them, where the fit counts the errors of modes as independent.
+  void widen(Hypothesis& hypothesis, double frequency_error) const;
   /// One cause fitted to the modes that mainly move in `direction`, and how it then meets the
   /// others.
   struct Part {

@@ -1,4 +1,4 @@
-/// Causes in the seals: guide sleeves with their guide rings, piston rings, bristles.
+/// Causes in the seals: guide sleeves with their guide rings, piston rings.
 
 #include <cmath>
 
@@ -100,41 +100,6 @@ void add_elastomers(const model::MachineFile& file, std::vector<Cause>& all) {
   add(Cause::Kind::elastomer_ratio, of_ratio, ratio,
       std::min(least_ratio, 1.0 + 0.5 * (ratio - 1.0)), most_ratio);
   add(Cause::Kind::elastomer_loss, of_loss, *elastomer(of_loss).loss_factor, least_loss, most_loss);
-}
-
-/// What acts at amplitudes alone (needs_amplitude): softening of elastomers, and bristles of seals
-/// and joints, where the file states them for all legs.
-void add_what_amplitudes_show(const model::MachineFile& file, std::vector<Cause>& all) {
-  constexpr double factor = 10.0, least = 0.01, most = 0.95;
-  const auto& legs = file.machine.legs;
-  const auto softens = [](const auto& leg) {
-    const auto& elastomer = leg.guide_sleeve.elastomer;
-    return elastomer && elastomer->softening > 0.0;
-  };
-  if (std::ranges::all_of(legs, softens)) {
-    const std::string key = "guide_sleeve.elastomer.softening";
-    const double stated = leg_with(file, {}, key).guide_sleeve.elastomer->softening;
-    all.push_back({Cause::Kind::softening,
-                   {},
-                   {{.paths = {leg_path({}, key)},
-                     .start = stated,
-                     .lower = std::min(least, stated),
-                     .upper = std::max(most, stated)}}});
-  }
-  const auto sticks = [](const auto& leg) { return leg.hydraulics.friction.bristles.has_value(); };
-  if (std::ranges::all_of(legs, sticks)) {
-    const std::string key = "friction.bristles.stiffness";
-    const double stated = leg_with(file, {}, key).hydraulics.friction.bristles->stiffness;
-    all.push_back({Cause::Kind::seal_bristles, {}, {within(leg_path({}, key), stated, factor)}});
-  }
-  const auto joint_sticks = [](const auto& leg) {
-    return leg.hydraulics.joint_friction.bristle_stiffness.has_value();
-  };
-  if (std::ranges::all_of(legs, joint_sticks)) {
-    const std::string key = "joint_friction.bristle_stiffness";
-    const double stated = *leg_with(file, {}, key).hydraulics.joint_friction.bristle_stiffness;
-    all.push_back({Cause::Kind::joint_bristles, {}, {within(leg_path({}, key), stated, factor)}});
-  }
 }
 
 }  // namespace hydrapod::diagnosis::causes

@@ -220,11 +220,10 @@ void describe_cause(Fields& f, Cause& cause) {
       "payload_height", "inertia",       "mass_and_inertia", "mass_center",     "base_lateral",
       "base_vertical",  "base_rocking",  "oil_lines",        "leakage",         "payload_sways",
       "payload_heaves", "payload_modes", "rods_bend",        "elastomer_ratio", "elastomer_loss",
-      "struts",         "screws",        "guide_clearance",  "softening",       "seal_bristles",
-      "joint_bristles"};
-  static constexpr std::array families{"guide sleeves", "piston rings", "leg axes",   "platform",
-                                       "mass centre",   "base",         "oil lines",  "leakage",
-                                       "payload modes", "bending",      "elastomers", "joints"};
+      "struts",         "screws",        "guide_clearance"};
+  static constexpr std::array families{"guide sleeves", "piston rings", "leg axes",  "platform",
+                                       "mass centre",   "base",         "oil lines", "leakage",
+                                       "payload modes", "bending",      "elastomers"};
   if constexpr (!Fields::reads) {
     f.derived("name", cause_name(cause));
     f.derived("statement", cause_statement(cause));

@@ -110,17 +110,7 @@ constexpr std::array cause_words{
     CauseWords{"gap at the guide rings of all legs",
                "the gap between rods and guide rings of all legs differs from the nominal value",
                "gap at the guide ring of leg {}",
-               "the gap between rod and guide ring of leg {} differs from the nominal value"},
-    CauseWords{
-        "softening of the guide sleeves' elastomers",
-        "the softening of the guide sleeves' elastomers at large amplitudes differs from the "
-        "nominal value",
-        "", ""},
-    CauseWords{"bristles of the cylinder seals",
-               "the presliding stiffness of the cylinder seals differs from the nominal value", "",
-               ""},
-    CauseWords{"bristles of the joints",
-               "the presliding stiffness of the joints differs from the nominal value", "", ""}};
+               "the gap between rod and guide ring of leg {} differs from the nominal value"}};
 
 std::string of_cause(const Cause& cause, const char* CauseWords::*all,
                      const char* CauseWords::*of_leg) {

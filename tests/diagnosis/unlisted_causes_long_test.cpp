@@ -15,13 +15,13 @@ namespace hydrapod::test {
 namespace {
 
 /// The largest share of cases in which another part may be blamed.
-void expect_few_blamed(unsigned draw, double most) {
+void expect_few_blamed(unsigned draw, double most, const diagnosis::DiagnoseOptions& options = {}) {
   int cases = 0, blamed = 0, same_part = 0;
   std::cout
       << "| machine | poses | noise | planted | change of a frequency | verdict | identified |\n"
          "| --- | --- | --- | --- | ---: | --- | --- |\n";
   for (const auto& test : unlisted_cases(1000, draw)) {
-    const auto result = run_unlisted(test);
+    const auto result = run_unlisted(test, options);
     ++cases;
     same_part += result.right_part;
     blamed += result.blamed && !result.right_part;
@@ -41,6 +41,11 @@ void expect_few_blamed(unsigned draw, double most) {
 }
 
 TEST(UnlistedCauses, AreNotBlamedOnListedParts) { expect_few_blamed(0, 0.05); }
+
+/// The first draw, with half of the model error in common.
+TEST(UnlistedCauses, AreBlamedMoreOftenWithACommonError) {
+  expect_few_blamed(0, 0.1, {.common_share = 0.5});
+}
 
 /// No rule was set with these in view: the rate is higher.
 TEST(UnlistedCauses, OfAnotherDrawAreBlamedMoreOften) { expect_few_blamed(1, 0.1); }

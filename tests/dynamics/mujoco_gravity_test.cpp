@@ -181,8 +181,7 @@ INSTANTIATE_TEST_SUITE_P(, UnderGravity,
                                                           ModelKind::full)),
                          [](const auto& test) { return name(test); });
 INSTANTIATE_TEST_SUITE_P(, OnGuideRings,
-                         testing::Combine(both_axes(),
-                                          testing::Values(ModelKind::guide, ModelKind::full)),
+                         testing::Combine(both_axes(), testing::Values(ModelKind::guide)),
                          [](const auto& test) { return name(test); });
 INSTANTIATE_TEST_SUITE_P(, BeyondBuckling,
                          testing::Combine(both_axes(),

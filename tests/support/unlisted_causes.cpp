@@ -428,7 +428,7 @@ observation::Targets measure_unlisted(const UnlistedCase& test) {
   return measured_modes(test, modes_of(test, truth_of(test).machine));
 }
 
-UnlistedResult run_unlisted(const UnlistedCase& test) {
+UnlistedResult run_unlisted(const UnlistedCase& test, const diagnosis::DiagnoseOptions& options) {
   const auto design = machine_file(test.basic.text(), test.basic.design);
   const auto truth = truth_of(test);
   const auto poses = modes_of(test, truth.machine);
@@ -440,8 +440,8 @@ UnlistedResult run_unlisted(const UnlistedCase& test) {
   }
   const auto measured = measured_modes(test, poses);
   try {
-    result.diagnosis =
-        diagnosis::diagnose(design, measured, dynamics::ModelKind::guide, design.machine.poses);
+    result.diagnosis = diagnosis::diagnose(design, measured, dynamics::ModelKind::guide,
+                                           design.machine.poses, options);
   } catch (const base::InputError& error) {
     result.refused = error.diagnostics().front().message;
     return result;

@@ -50,6 +50,7 @@ std::vector<UnlistedCase> sticking_cases();
 /// What is measured of a case.
 observation::Targets measure_unlisted(const UnlistedCase& test);
 
-UnlistedResult run_unlisted(const UnlistedCase& test);
+UnlistedResult run_unlisted(const UnlistedCase& test,
+                            const diagnosis::DiagnoseOptions& options = {});
 
 }  // namespace hydrapod::test

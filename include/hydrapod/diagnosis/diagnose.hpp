@@ -98,8 +98,7 @@ enum class Family {
   leakage,
   payload_modes,
   bending,
-  elastomers,
-  joints
+  elastomers
 };
 
 struct Cause {
@@ -131,10 +130,7 @@ struct Cause {
     elastomer_loss,   ///< their loss factor
     struts,           ///< stiffness of plain struts
     screws,           ///< stiffness of the screws of electric cylinders
-    guide_clearance,  ///< gap between rod and guide ring, where the file states it
-    softening,        ///< of the guide sleeves' elastomers; it and the next show at amplitudes
-    seal_bristles,    ///< stiffness of the bristles of the cylinders' friction
-    joint_bristles    ///< the same of the joints
+    guide_clearance   ///< gap between rod and guide ring, where the file states it
   };
   Kind kind{};
   std::optional<int> leg{};  ///< 0…5; none: all legs, or no leg at all
@@ -155,8 +151,10 @@ inline constexpr double same = 6.0;
 struct DiagnoseOptions {
   double frequency_error{2e-3};  ///< of ω, relative
   /// Share of its variance, below 1, that is one error of all modes and poses (a mass, an oil a
-  /// little off); half, because which part it is only other machines could say.
-  double common_share{0.5};
+  /// little off). 0: independent, and a common error as large is in the deviations of what is
+  /// identified alone. With 0.5 causes that are no candidates are taken for one too often:
+  /// docs/validation/diagnosis.md.
+  double common_share{};
   double shape_error{0.05};  ///< of a shape scaled to unit kinetic energy of the platform
   /// Use damping ratios too. Off unless asked for: valves and controller damp a machine at work,
   /// and the dampers in a machine file are rarely known.

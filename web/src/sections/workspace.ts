@@ -6,7 +6,7 @@ import { assignments, noCommand, shellCommand } from '../core/edits';
 import { beginWhenSeen, failureText, idle, sharedCore } from '../core/shared';
 import { directions, type Editable } from '../document';
 import { button, html, identifier, showCommand, slider, type Slider } from '../dom';
-import { fixed, significant } from '../numbers';
+import { fixed } from '../numbers';
 import type { State } from '../state';
 import { displacementOf } from '../workspace/displacement';
 import { Field, finest, type Range } from '../workspace/field';
