@@ -81,7 +81,6 @@ class WhatIf {
           this.tools(),
           this.state_,
           this.table,
-          html('p', { class: 'note' }, 'Hz: |λ| of the damped modes.'),
           this.buckling,
           this.directionChooser(),
           this.plot.element,
