@@ -55,11 +55,14 @@ std::string combinations_text(const Calibration& result, const TableStyle& style
 
 /// Of which modes the frequencies are.
 std::string frequencies_text(const Targets& targets) {
+  const bool amplitudes =
+      std::ranges::any_of(targets.modes, [](const auto& mode) { return mode.amplitude > 0.0; });
+  const char* end = amplitudes ? "; at an amplitude those of the harmonic balance\n" : "\n";
   const auto damped = std::ranges::count_if(targets.modes, &ModeTarget::damped);
-  if (damped == std::ssize(targets.modes)) return "Hz: |λ| of damped modes\n";
-  if (damped == 0) return "Hz: of undamped modes\n";
-  return fmt::format("Hz: |λ| of damped modes in {} targets, of undamped modes in {}\n", damped,
-                     std::ssize(targets.modes) - damped);
+  if (damped == std::ssize(targets.modes)) return std::string("Hz: |λ| of damped modes") + end;
+  if (damped == 0) return std::string("Hz: of undamped modes") + end;
+  return fmt::format("Hz: |λ| of damped modes in {} targets, of undamped modes in {}{}", damped,
+                     std::ssize(targets.modes) - damped, end);
 }
 
 std::string targets_text(const Candidate& best, const Targets& targets, const TableStyle& style) {
@@ -77,7 +80,7 @@ std::string targets_text(const Candidate& best, const Targets& targets, const Ta
     const auto& target = targets.modes[i];
     const auto& fit = best.targets[i];
     std::vector<std::string> row{target.name,
-                                 target.pose,
+                                 place_text(target.pose, target.amplitude),
                                  fmt::format("{}", fit.mode + 1),
                                  hertz(target.omega, 4),
                                  hertz(fit.omega, 4),

@@ -43,17 +43,12 @@ const char* machine_word(const diagnosis::CaseFile& file) {
 
 std::string modes_text(const diagnosis::Diagnosis& d, const model::Machine& machine,
                        const TableStyle& style) {
-  const bool amplitudes =
-      std::ranges::any_of(d.modes, [](const auto& m) { return m.amplitude > 0.0; });
-  const auto pose_text = [&](const auto& m) {
-    return amplitudes ? fmt::format("{}, {:g} mm", m.pose, 1e3 * m.amplitude) : m.pose;
-  };
-  Table table({amplitudes ? "<pose, amplitude" : "<pose", "<direction", "measured Hz", "rigid Hz",
-               "drop", "share", "peak", "nominal Hz", "fitted Hz", "MAC", "<elastic energy"});
+  Table table({"<pose", "<direction", "measured Hz", "rigid Hz", "drop", "share", "peak",
+               "nominal Hz", "fitted Hz", "MAC", "<elastic energy"});
   for (const auto& m : d.modes) {
     const bool rigid = m.rigid_mac >= diagnosis::resonance_mac;
     table.add_row(
-        {pose_text(m), direction_text(m),
+        {place_text(m.pose, m.amplitude), direction_text(m),
          fmt::format("{:.3f} ± {:.3f}", m.omega / two_pi, m.deviation / two_pi),
          rigid ? hertz(m.omega_rigid) : "", rigid ? fmt::format("{:.1f} %", 100.0 * m.drop()) : "",
          rigid ? fmt::format("{:.0f} %", 100.0 * m.rigid_mac) : "",

@@ -124,6 +124,10 @@ std::string state_line(const model::MachineFile& file) {
   return fmt::format("machine: {}\n", report::state_text(file));
 }
 
+std::string place_text(const std::string& pose, double amplitude) {
+  return amplitude > 0.0 ? fmt::format("{}, {:g} mm", pose, 1e3 * amplitude) : pose;
+}
+
 std::string frequencies_line(const model::Machine& machine) {
   return fmt::format("frequencies are those of {} modes\n", study::frequency_kind(machine));
 }

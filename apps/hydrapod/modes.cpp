@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <numeric>
 #include <optional>
 
 #include "hydrapod/amplitude_report.hpp"
@@ -63,28 +62,27 @@ std::string open_verdict(const SystemPoles& poles) {
 
 /// "UNSTABLE": it grows. Of a sampled loop its exact poles decide, and the table says where the
 /// pole of the approximation beside it differs.
-const char* growth_mark(const simulation::SystemPole& pole, bool grows, bool drifts) {
+const char* growth_mark(const simulation::SystemPole& pole, bool drifts) {
   if (drifts) return "drift";
   const bool approximation_grows = simulation::grows(pole.pole);
-  if (grows) return approximation_grows ? "UNSTABLE" : "UNSTABLE, sampled";
+  if (!pole.stable) return approximation_grows ? "UNSTABLE" : "UNSTABLE, sampled";
   return approximation_grows ? "stable, sampled" : "";
 }
 
 /// Table of poles, ascending in frequency.
 std::string pole_table(const SystemPoles& poles, bool closed, const TableStyle& style) {
-  const auto grow = report::growing(poles);
-  std::vector<std::size_t> order(poles.poles.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::ranges::stable_sort(order, {}, [&](std::size_t k) { return poles.poles[k].omega; });
+  std::vector<const simulation::SystemPole*> order;
+  for (const auto& pole : poles.poles) order.push_back(&pole);
+  std::ranges::stable_sort(order, {}, &simulation::SystemPole::omega);
   Table table({"pole", "Hz", "rad/s", "damping", "Re 1/s", "<", "<participation"});
   for (std::size_t row = 0; row < order.size(); ++row) {
-    const auto& pole = poles.poles[order[row]];
+    const auto& pole = *order[row];
     const bool drifts = !closed && pole.omega < drift;
     table.add_row(
         {std::to_string(row + 1), pole.oscillates() && !drifts ? hertz(pole.omega) : "–",
          fmt::format("{:.4g}", pole.omega),
          pole.oscillates() && !drifts ? fmt::format("{:.2f} %", 100.0 * pole.damping_ratio) : "–",
-         fmt::format("{:.4g}", pole.pole.real()), growth_mark(pole, grow[order[row]], drifts),
+         fmt::format("{:.4g}", pole.pole.real()), growth_mark(pole, drifts),
          report::participation_text(pole)});
   }
   return table.text(style) +

@@ -23,6 +23,8 @@ inline constexpr const char* study_frequencies =
     "  Outputs in Hz are frequencies of undamped modes; where seals are elastomers, of damped "
     "modes.\n"
     "  `hydrapod modes` and `hydrapod check` print |λ| of the damped modes.";
+/// "neutral"; of a mode measured at an amplitude [m] "neutral, 0.2 mm".
+std::string place_text(const std::string& pose, double amplitude);
 std::string mechanics_state_line(const model::MachineFile& file);  ///< of mechanics alone
 
 /// Machine, pose, model and assumptions in two lines.

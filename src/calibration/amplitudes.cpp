@@ -22,6 +22,16 @@ std::optional<modal::DampedMode> as_damped(const modal::ModeAtAmplitude& at, int
 
 }  // namespace
 
+bool has_amplitudes(const observation::Targets& targets) {
+  return std::ranges::any_of(targets.modes, [](const auto& mode) { return mode.amplitude > 0.0; });
+}
+
+bool acts_at_amplitudes(const model::ParameterId& id) {
+  const std::string_view path = model::row_of(id).path;
+  return (path.starts_with("legs.friction.") || path.starts_with("legs.joint_friction.")) &&
+         !path.ends_with(".viscous");
+}
+
 bool moves_platform(const ModePoint& point, int mode) {
   const spatial::Vector6 v = point.modes.shapes.col(mode).head<6>();  // of φᵀ M φ = 1
   return v.dot(point.model.platform_mass * v) >= modal::AmplitudeOptions{}.least_platform;

@@ -6,6 +6,13 @@
 
 namespace hydrapod::calibration {
 
+/// Was any mode measured at an amplitude?
+bool has_amplitudes(const observation::Targets& targets);
+
+/// Does the number act in modes at amplitudes: friction of seals or joints? Viscous friction does
+/// not (docs/theory/amplitude.md).
+bool acts_at_amplitudes(const model::ParameterId& id);
+
 /// Does the mode move the platform, so that its amplitude says something of it
 /// (modal::AmplitudeOptions::least_platform)? The others count as linear.
 bool moves_platform(const ModePoint& point, int mode);

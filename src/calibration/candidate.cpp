@@ -6,6 +6,7 @@
 #include <limits>
 #include <random>
 
+#include "amplitudes.hpp"
 #include "hydrapod/modal/damped_modes.hpp"
 #include "hydrapod/numerics/statistics.hpp"
 #include "variables.hpp"
@@ -330,9 +331,14 @@ void conclude(Combination& combination) {
       std::count_if(combination.solutions.begin(), combination.solutions.end(),
                     [](const Solution& solution) { return solution.x.size() > 0; }));
   if (best == nullptr) {
-    candidate.problem = candidate.starts == 0
-                            ? "interrupted before its first fit"
-                            : "the machine has no modes with any of the starting values";
+    if (candidate.starts == 0)
+      candidate.problem = "interrupted before its first fit";
+    else if (has_amplitudes(combination.problem->targets()))
+      candidate.problem =
+          "with none of the starting values the machine has modes, and balances at the amplitudes "
+          "of the targets; `hydrapod modes --amplitude` shows where these end";
+    else
+      candidate.problem = "the machine has no modes with any of the starting values";
     return;
   }
   constexpr double same = 0.01;

@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "amplitudes.hpp"
 #include "hydrapod/base/units.hpp"
 
 namespace hydrapod::calibration {
@@ -132,9 +133,6 @@ void check_repeats(const std::vector<FreeParameter>& free, const std::vector<Var
     }
 }
 
-/// Of seals or joints: in modes at amplitudes alone.
-bool is_friction(const std::string& path) { return path.find("friction.") != std::string::npos; }
-
 }  // namespace
 
 std::vector<Variable> make_variables(const std::vector<FreeParameter>& free,
@@ -145,13 +143,11 @@ std::vector<Variable> make_variables(const std::vector<FreeParameter>& free,
     variables.push_back(VariableMaker(parameter, file, errors).make());
   check_repeats(free, variables, errors);
   if (!errors.empty()) return variables;
-  const bool at_amplitudes = std::ranges::any_of(
-      targets.modes, [](const ModeTarget& mode) { return mode.amplitude > 0.0; });
+  const bool at_amplitudes = has_amplitudes(targets);
   for (std::size_t j = 0; j < free.size(); ++j)
-    if (std::ranges::none_of(
-            variables[j].ids,
-            [&](const model::ParameterId& id) { return model::of_mechanics(file.machine, id); }) &&
-        !(at_amplitudes && is_friction(free[j].paths.front())))
+    if (std::ranges::none_of(variables[j].ids, [&](const model::ParameterId& id) {
+          return model::of_mechanics(file.machine, id) || (at_amplitudes && acts_at_amplitudes(id));
+        }))
       errors.push_back(fault_at(free[j], free[j].paths.front(),
                                 "has no effect on the modes; it cannot be fitted"));
   return variables;

@@ -1,7 +1,5 @@
 /// Causes in the seals: guide sleeves with their guide rings, piston rings.
 
-#include <cmath>
-
 #include "cause_parts.hpp"
 
 namespace hydrapod::diagnosis::causes {

@@ -209,19 +209,32 @@ VectorXd band_edges(const std::vector<bool>& excited, const DampedOptions& optio
   return std::log(options.attenuation) * smoothed(outside, options.edge);
 }
 
-/// ln |D| that makes D H_wr flat, as a mean over its channels: from H at excited lines and 0 at
-/// others, over which it is bridged.
-VectorXd whitening(const std::vector<MatrixXcd>& H, const std::vector<bool>& excited,
+/// ln |D| that makes what has the `power` (channels × lines) flat, as a mean over channels: from
+/// excited lines, over the others bridged.
+VectorXd whitening(const MatrixXd& power, const std::vector<bool>& excited,
                    const DampedOptions& options) {
-  const auto lines = static_cast<Index>(H.size()), rows = H[0].rows();
-  MatrixXd power(rows, lines);
-  for (Index k = 0; k < lines; ++k)
-    power.col(k) = H[static_cast<std::size_t>(k)].rowwise().squaredNorm();
   const VectorXd total = power.rowwise().sum().cwiseMax(1e-300);
   VectorXd flat = (power.array().colwise() / total.array()).colwise().sum().transpose();
   flat = -0.5 * flat.cwiseMax(options.deepest * flat.maxCoeff()).array().log().matrix();
   bridge(flat, [&](Index k) { return !excited[static_cast<std::size_t>(k)]; });
   return smoothed(flat, options.whitening);
+}
+
+/// Σ over inputs of |H_wr|² at excited lines, and of its variance.
+struct Powers {
+  MatrixXd response, error;
+};
+
+Powers powers(const FromInstruments& f, const std::vector<bool>& excited) {
+  const auto lines = static_cast<Index>(f.H.size()), rows = f.H[0].rows();
+  Powers p{MatrixXd::Zero(rows, lines), MatrixXd::Zero(rows, lines)};
+  for (Index k = 0; k < lines; ++k) {
+    const auto line = static_cast<std::size_t>(k);
+    if (!excited[line]) continue;
+    p.response.col(k) = f.H[line].rowwise().squaredNorm();
+    p.error.col(k) = f.P[line].trace().real() * f.noise[line].diagonal().real();
+  }
+  return p;
 }
 
 /// H'(ω) at every second line, n/4 + 1 of them, from H at excited lines and 0 at others.
@@ -352,7 +365,25 @@ FrequencyResponses damped_instrumental(const CrossSpectra& spectra, const Channe
   for (std::size_t k = 0; k < excited.size(); ++k)
     if (!excited[k]) f.H[k].setZero();
   const VectorXd edges = band_edges(excited, options);
-  auto D = minimum_phase(edges + whitening(f.H, excited, options));
+  const auto power = powers(f, excited);
+  VectorXd flat = whitening(power.response, excited, options);
+  {
+    double worst = 0.0;
+    for (Index i = 0; i < power.error.rows(); ++i) {
+      VectorXd e = power.error.row(i).transpose().cwiseProduct((2.0 * flat).array().exp().matrix());
+      std::vector<double> in;
+      double sum = 0.0;
+      for (std::size_t k = 0; k < excited.size(); ++k)
+        if (excited[k]) in.push_back(e[static_cast<Index>(k)]), sum += in.back();
+      const double median = numerics::upper_median(in);
+      worst = std::max(worst, sum / median - static_cast<double>(in.size()));
+    }
+    const char* how = getenv("HD");
+    if (getenv("HV")) fprintf(stderr, "excess %g\n", worst);
+    if (how != nullptr && (how[0] == 'e' || (how[0] == 'a' && worst > atof(how + 1))))
+      flat = whitening(power.error, excited, options);
+  }
+  auto D = minimum_phase(edges + flat);
   for (std::size_t k = 0; k < excited.size(); ++k)
     if (!excited[k]) D[k] = 0.0;
   const auto H = brought_to_shift(f.H, D, window);

@@ -1,6 +1,5 @@
 /// The branches of the harmonic balance over the amplitude: docs/theory/amplitude.md.
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
@@ -69,15 +68,15 @@ class Balance {
     Eigen::MatrixXd A(n + 1, n + 1);
     A.row(n) = from.direction;
     for (int k = 0; k < options_.most_iterations && u[n] > 0.0; ++k) {
-      left << residual(u, size, rate, A), from.direction.dot(u - plane);
-      const Vector step = solved(A, left);
+      left << balance_residual(swinging_, u, size, rate, A), from.direction.dot(u - plane);
+      const Vector step = solution_of_balance(A, left);
       u -= step;
       if (!(std::abs(step[n]) <= options_.tolerance * u[n] &&
             step.head(n).norm() <= std::sqrt(options_.tolerance) * u.head(n).norm()))
         continue;
       Point point{.q = size * u.head(n), .omega = rate * u[n]};
-      residual(u, size, rate, A);
-      point.direction = solved(A, Vector::Unit(n + 1, n)).normalized();
+      balance_residual(swinging_, u, size, rate, A);
+      point.direction = solution_of_balance(A, Vector::Unit(n + 1, n)).normalized();
       if (length > 0.0)
         point.kink = ((u - plane) / length - 0.5 * (point.direction - from.direction)).norm();
       point.direction.head(n) /= u.head(n).norm();
@@ -94,30 +93,6 @@ class Balance {
   }
 
  private:
-  /// Where modes repeat A is singular: any combination of them is balanced, and none is sought.
-  static Vector solved(const Eigen::MatrixXd& A, const Vector& right) {
-    constexpr double singular = 1e-8;  // of ω²; balances are exact to 1e-12
-    const Vector unit = A.diagonal().cwiseAbs().cwiseMax(1.0).cwiseInverse();  // stiff seals
-    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> factors;
-    factors.setThreshold(singular);
-    return factors.compute(unit.asDiagonal() * A).solve(unit.cwiseProduct(right));
-  }
-
-  /// (K − ω²) q over |q| ω_0² at u, and its derivatives into the first rows of A. `size`: |q| of
-  /// the unit of u, `rate`: ω_0.
-  Vector residual(const Vector& u, double size, double rate, Eigen::MatrixXd& A) const {
-    const Eigen::Index n = u.size() - 1;
-    const ModelVector q = size * u.head(n);
-    const double omega = rate * u[n], unit = 1.0 / (rate * rate);
-    const ModelMatrix K = swinging_.at(q, omega).K;
-    A.topLeftCorner(n, n) = unit * swinging_.tangent(K, q, omega);
-    A.diagonal().head(n).array() -= u[n] * u[n];
-    constexpr double step = 1e-6;  // of ω, on which friction and elastomers depend smoothly
-    const ModelMatrix change = swinging_.at(q, omega * (1.0 + step)).K - K;
-    A.col(n).head(n) = unit * (change * u.head(n)) / (step * u[n]) - 2.0 * u[n] * u.head(n);
-    return unit * (K * u.head(n)) - u[n] * u[n] * u.head(n);
-  }
-
   const Swinging& swinging_;
   const AmplitudeOptions& options_;
   ModelMatrix shapes_{};

@@ -1,29 +1,12 @@
 /// Balances at given amplitudes without the branches that lead there: docs/theory/amplitude.md.
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <utility>
 
 #include "swinging.hpp"
 
 namespace hydrapod::modal {
-
-ModelVector most_like(const ModelVector& q, const ModelMatrix& K) {
-  constexpr double together = 1e-9;  // of ω²
-  const Eigen::SelfAdjointEigenSolver<ModelMatrix> modes(K);
-  const ModelVector parts = modes.eigenvectors().transpose() * q;
-  Eigen::Index best = 0;
-  parts.cwiseAbs().maxCoeff(&best);
-  const double omega2 = modes.eigenvalues()[best];
-  ModelVector sum = ModelVector::Zero(q.size());
-  for (Eigen::Index k = 0; k < parts.size(); ++k)
-    if (std::abs(modes.eigenvalues()[k] - omega2) <= together * std::abs(omega2))
-      sum += parts[k] * modes.eigenvectors().col(k);
-  return sum;
-}
 
 namespace {
 
@@ -64,26 +47,17 @@ class Balancing {
   [[nodiscard]] std::optional<Motion> solved(double amplitude, Motion at) const {
     constexpr int most = 25;
     constexpr double same_omega = 1e-11, same_motion = 1e-8;  // it converges quadratically
-    constexpr double singular = 1e-8, step_of_omega = 1e-6;
     const Eigen::Index n = at.q.size();
-    Eigen::MatrixXd A(n + 1, n + 1);
-    Eigen::VectorXd left(n + 1);
+    Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n + 1, n + 1);
+    Eigen::VectorXd u(n + 1), left(n + 1);
     for (int k = 0; k < most && at.omega > 0.0; ++k) {
       const auto& [q, omega] = at;
-      const double size = q.norm(), unit = 1.0 / (omega * omega);
-      const ModelMatrix K = swinging_.at(q, omega).K;
-      const ModelMatrix change = swinging_.at(q, omega * (1.0 + step_of_omega)).K - K;
-      A.topLeftCorner(n, n) = unit * swinging_.tangent(K, q, omega);
-      A.diagonal().head(n).array() -= 1.0;
-      A.col(n).head(n) = (unit / step_of_omega * (change * q) - 2.0 * q) / size;
-      A.row(n).head(n) = swinging_.amplitude_gradient(q).transpose() * (size / amplitude);
-      A(n, n) = 0.0;
-      left << (unit * (K * q) - q) / size, swinging_.amplitude(q) / amplitude - 1.0;
-      const Eigen::VectorXd rows = A.diagonal().cwiseAbs().cwiseMax(1.0).cwiseInverse();
-      Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> factors;
-      factors.setThreshold(singular);  // of repeated modes any combination is one
-      const Eigen::VectorXd step =
-          factors.compute(rows.asDiagonal() * A).solve(rows.cwiseProduct(left));
+      const double size = q.norm();
+      u << q / size, 1.0;
+      A.row(n).head(n) = swinging_.amplitude_gradient(q) * (size / amplitude);
+      left << balance_residual(swinging_, u, size, omega, A),
+          swinging_.amplitude(q) / amplitude - 1.0;
+      const Eigen::VectorXd step = solution_of_balance(A, left);
       if (!step.allFinite()) return std::nullopt;
       at = {q - size * step.head(n), omega * (1.0 - step[n])};
       if (std::abs(step[n]) <= same_omega && step.head(n).norm() <= same_motion) return at;

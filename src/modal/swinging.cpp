@@ -1,6 +1,8 @@
 #include "swinging.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+#include <Eigen/QR>
 #include <algorithm>
 #include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
@@ -256,6 +258,42 @@ ModeAtAmplitude Swinging::described(const ModelVector& q, double omega) const {
   }
   point.shape = modes_.shapes * q / q.norm();
   return point;
+}
+
+ModelVector most_like(const ModelVector& q, const ModelMatrix& K) {
+  constexpr double together = 1e-9;  // of ω²
+  const Eigen::SelfAdjointEigenSolver<ModelMatrix> modes(K);
+  const ModelVector parts = modes.eigenvectors().transpose() * q;
+  Eigen::Index best = 0;
+  parts.cwiseAbs().maxCoeff(&best);
+  const double omega2 = modes.eigenvalues()[best];
+  ModelVector sum = ModelVector::Zero(q.size());
+  for (Eigen::Index k = 0; k < parts.size(); ++k)
+    if (std::abs(modes.eigenvalues()[k] - omega2) <= together * std::abs(omega2))
+      sum += parts[k] * modes.eigenvectors().col(k);
+  return sum;
+}
+
+Eigen::VectorXd balance_residual(const Swinging& swinging, const Eigen::VectorXd& u, double size,
+                                 double rate, Eigen::MatrixXd& A) {
+  const Eigen::Index n = u.size() - 1;
+  const ModelVector q = size * u.head(n);
+  const double omega = rate * u[n], unit = 1.0 / (rate * rate);
+  const ModelMatrix K = swinging.at(q, omega).K;
+  A.topLeftCorner(n, n) = unit * swinging.tangent(K, q, omega);
+  A.diagonal().head(n).array() -= u[n] * u[n];
+  constexpr double step = 1e-6;  // of ω, on which friction and elastomers depend smoothly
+  const ModelMatrix change = swinging.at(q, omega * (1.0 + step)).K - K;
+  A.col(n).head(n) = unit * (change * u.head(n)) / (step * u[n]) - 2.0 * u[n] * u.head(n);
+  return unit * (K * u.head(n)) - u[n] * u[n] * u.head(n);
+}
+
+Eigen::VectorXd solution_of_balance(const Eigen::MatrixXd& A, const Eigen::VectorXd& right) {
+  constexpr double singular = 1e-8;  // of ω²; balances are exact to 1e-12
+  const Eigen::VectorXd unit = A.diagonal().cwiseAbs().cwiseMax(1.0).cwiseInverse();  // stiff seals
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> factors;
+  factors.setThreshold(singular);
+  return factors.compute(unit.asDiagonal() * A).solve(unit.cwiseProduct(right));
 }
 
 }  // namespace hydrapod::modal

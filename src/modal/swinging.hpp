@@ -80,6 +80,14 @@ class Swinging {
 /// is a mode.
 ModelVector most_like(const ModelVector& q, const ModelMatrix& K);
 
+/// (K − ω²) q over |q| ω_0² at u = (q/size, ω/rate), and its derivatives by u into the first rows
+/// of A. `size`: |q| of the unit of u, `rate`: ω_0.
+Eigen::VectorXd balance_residual(const Swinging& swinging, const Eigen::VectorXd& u, double size,
+                                 double rate, Eigen::MatrixXd& A);
+/// A⁻¹ right, of these derivatives above one further row. Where modes repeat A is singular: any
+/// combination of them is balanced, and none is sought.
+Eigen::VectorXd solution_of_balance(const Eigen::MatrixXd& A, const Eigen::VectorXd& right);
+
 /// The linear modes per q, where branches begin: pairs of repeated ones are turned to those of
 /// their combinations that stay balanced as amplitudes grow.
 ModelMatrix shapes_to_begin_with(const Swinging& swinging);

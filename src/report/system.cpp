@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <optional>
 
 #include "fields.hpp"
 #include "hydrapod/base/units.hpp"
@@ -69,22 +68,6 @@ std::string participation_text(const SystemPole& pole) {
   return text;
 }
 
-std::vector<bool> growing(const SystemPoles& poles) {
-  std::vector<bool> found;
-  for (const auto& pole : poles.poles)
-    found.push_back(poles.sampled.empty() && simulation::grows(pole.pole));
-  for (const auto& s : poles.sampled) {
-    if (!simulation::grows(s)) continue;
-    std::optional<std::size_t> nearest;
-    for (std::size_t k = 0; k < found.size(); ++k)
-      if (!found[k] && (!nearest || std::abs(poles.poles[k].pole - s) <
-                                        std::abs(poles.poles[*nearest].pole - s)))
-        nearest = k;
-    if (nearest) found[*nearest] = true;
-  }
-  return found;
-}
-
 std::string verdict_text(const SystemPoles& poles) {
   const bool sampled = !poles.sampled.empty();
   const double rate = sampled ? poles.sampled.front().real() : poles.largest_real;
@@ -113,7 +96,7 @@ void describe(Fields& f, SystemPole& pole) {
   f("omega_rad_s", pole.omega);
   f.derived("frequency_hz", pole.omega / two_pi);
   f("damping_ratio", pole.damping_ratio);
-  f.derived("stable", !simulation::grows(pole.pole));  // of a sampled loop: system_json()
+  f("stable", pole.stable);
   f("group", pole.group);
   f.derived("label", participation_text(pole));
   f.object("participation", [&](auto& parts) {
@@ -149,8 +132,6 @@ Json system_json(const System& system) {
   if (system.closed)
     json["controller"] = controller_json(system.tuning.parameters, system.tuning.lowest_oil_mode);
   json.update(written(system));
-  const auto grow = growing(system.poles);
-  for (std::size_t k = 0; k < grow.size(); ++k) json["poles"][k]["stable"] = !grow[k];
   return json;
 }
 

@@ -82,6 +82,19 @@ bool grows(Complex pole) {
   return pole.real() >= (pole.imag() > 0.0 ? rounded_growth * std::abs(pole) : 0.0);
 }
 
+void mark_growing(SystemPoles& poles) {
+  for (auto& pole : poles.poles) pole.stable = !poles.sampled.empty() || !grows(pole.pole);
+  for (const auto& s : poles.sampled) {
+    if (!grows(s)) continue;
+    SystemPole* nearest = nullptr;
+    for (auto& pole : poles.poles)
+      if (pole.stable &&
+          (nearest == nullptr || std::abs(pole.pole - s) < std::abs(nearest->pole - s)))
+        nearest = &pole;
+    if (nearest != nullptr) nearest->stable = false;
+  }
+}
+
 SystemPoles system_poles(const LinearSystem& system) {
   const Eigen::VectorXd d = numerics::balancing(system.A);
   const auto pairs =
@@ -118,6 +131,7 @@ SystemPoles system_poles(const LinearSystem& system) {
   found.stable = std::ranges::none_of(
       found.poles, [](const SystemPole& described) { return grows(described.pole); });
   sampled_poles(system, found);
+  mark_growing(found);
   return found;
 }
 

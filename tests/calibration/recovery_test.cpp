@@ -144,10 +144,11 @@ TEST(Recovery, ModesWithoutNamesGetOutOfAWrongValley) {
 
 /// x and y are one frequency at the start and two in the targets: one leg has softer oil.
 TEST(Recovery, ARepeatedPairPartsTowardsItsTargets) {
-  const auto truth = test::machine_file(transverse_machine().text, {"leg.2.oil_spring.stiffness=2.9e6"});
+  const auto truth =
+      test::machine_file(transverse_machine().text, {"leg.2.oil_spring.stiffness=2.9e6"});
   const auto targets = targets_of(truth, ModelKind::guide, false);
-  const auto best = fit(transverse_machine(), targets, test::free_paths({"leg.2.oil_spring.stiffness"}),
-                        ModelKind::guide, 1);
+  const auto best = fit(transverse_machine(), targets,
+                        test::free_paths({"leg.2.oil_spring.stiffness"}), ModelKind::guide, 1);
   EXPECT_NEAR(best.parameters[0].value, 2.9e6, 1.0);
   EXPECT_EQ(best.parameters[0].verdict, Verdict::determined);
 }
@@ -212,8 +213,9 @@ TEST(Recovery, OfLeakageByDampingRatios) {
 
 /// Shapes of the platform frame's origin tell where the mass centre is, though it is not theirs.
 TEST(Recovery, ShapesMayBeThoseOfAnyPoint) {
-  const auto truth = test::machine_file(
-      transverse_machine().text, {"platform.mass_center[0]=0.031", "platform.mass_center[1]=-0.017"});
+  const auto truth =
+      test::machine_file(transverse_machine().text,
+                         {"platform.mass_center[0]=0.031", "platform.mass_center[1]=-0.017"});
   const auto model =
       dynamics::linear_model(truth.machine, truth.machine.neutral(), ModelKind::rigid);
   const auto modes = modal::normal_modes(model);
@@ -228,8 +230,9 @@ TEST(Recovery, ShapesMayBeThoseOfAnyPoint) {
     targets.modes[k].shape_point = point;
     targets.modes[k].deviation = 0.05 * targets.modes[k].omega;  // the shapes decide
   }
-  const auto start = test::machine_file(
-      transverse_machine().text, {"platform.mass_center[0]=0.002", "platform.mass_center[1]=0.003"});
+  const auto start =
+      test::machine_file(transverse_machine().text,
+                         {"platform.mass_center[0]=0.002", "platform.mass_center[1]=0.003"});
   std::vector<FreeParameter> free{
       {.paths = {"platform.mass_center[0]"}, .lower = "-0.1", .upper = "0.1"},
       {.paths = {"platform.mass_center[1]"}, .lower = "-0.1", .upper = "0.1"}};
@@ -243,7 +246,7 @@ TEST(Recovery, AWrongTargetIsNamedAndLeftOut) {
   targets.modes[14].omega *= 1.17;
   const auto start = test::machine_file(
       transverse_machine().text, {"legs.oil_spring.stiffness=5e6", "platform.inertia.xx=70",
-                         "platform.inertia.yy=70", "legs.guide_sleeve.stiffness=2e5"});
+                                  "platform.inertia.yy=70", "legs.guide_sleeve.stiffness=2e5"});
   const auto free = test::free_paths({"legs.oil_spring.stiffness", "platform.inertia.xx",
                                       "platform.inertia.yy", "legs.guide_sleeve.stiffness"});
   Plan plan{.free = free};
@@ -259,7 +262,8 @@ TEST(Recovery, AWrongTargetIsNamedAndLeftOut) {
 TEST(Recovery, FewerTargetsThanParametersLeaveDirectionsOpen) {
   Targets targets = targets_of(transverse_machine(), ModelKind::rigid, true);
   targets.modes.resize(2);
-  const auto start = test::machine_file(transverse_machine().text, {"legs.oil_spring.stiffness=5e6"});
+  const auto start =
+      test::machine_file(transverse_machine().text, {"legs.oil_spring.stiffness=5e6"});
   const auto free =
       test::free_paths({"legs.oil_spring.stiffness", "platform.mass", "platform.inertia.zz"});
   Plan plan{.free = free};
@@ -278,7 +282,8 @@ TEST(Recovery, OnlyASumIsDeterminedAndSaidToBe) {
   Targets targets = targets_of(file, ModelKind::rigid, true);
   std::erase_if(targets.modes, [](const ModeTarget& t) { return t.direction != 2; });
   ASSERT_EQ(targets.modes.size(), 1U);
-  const auto start = test::machine_file(transverse_machine().text, {"legs.added_axial_inertia=2.6"});
+  const auto start =
+      test::machine_file(transverse_machine().text, {"legs.added_axial_inertia=2.6"});
   const auto best =
       fit(start, targets, test::free_paths({"legs.added_axial_inertia", "platform.mass"}),
           ModelKind::rigid, 1);
@@ -353,7 +358,8 @@ TEST(Recovery, TheOnlyParameterHasAProfileToo) {
   plan.free[0].start = "5e6";
   auto best = calibrate(transverse_machine(), targets, plan, ModelKind::rigid).best();
   EXPECT_EQ(best.parameters[0].verdict, Verdict::at_bound);
-  EXPECT_EQ(profile(transverse_machine(), targets, plan, ModelKind::rigid, best, 1).points.size(), 21U);
+  EXPECT_EQ(profile(transverse_machine(), targets, plan, ModelKind::rigid, best, 1).points.size(),
+            21U);
   plan.free = {{.paths = {"legs.oil_spring.stiffness"}}};
   plan.free[0].prior = PriorAmounts{"3.86e6", "1e3"};
   best = calibrate(transverse_machine(), targets, plan, ModelKind::rigid).best();
@@ -382,8 +388,8 @@ TEST(Recovery, AnInterruptedSearchNamesWhatItDidNotTry) {
   plan.options.threads = 1;
   plan.alternatives = {{.name = "axes", .choices = {{"a", {}}, {"b", {}}}}};
   int calls = 0;
-  const auto result =
-      calibrate(transverse_machine(), targets, plan, ModelKind::rigid, [&](double) { return ++calls > 3; });
+  const auto result = calibrate(transverse_machine(), targets, plan, ModelKind::rigid,
+                                [&](double) { return ++calls > 3; });
   EXPECT_TRUE(result.interrupted);
   EXPECT_EQ(result.candidates.back().problem, "interrupted before its first fit");
 }
@@ -391,7 +397,8 @@ TEST(Recovery, AnInterruptedSearchNamesWhatItDidNotTry) {
 /// Threads share the work out as they come; the answer must not show it.
 TEST(Recovery, DoesNotDependOnTheNumberOfThreads) {
   const auto targets = targets_of(transverse_machine(), ModelKind::guide, true);
-  const auto start = test::machine_file(transverse_machine().text, {"legs.oil_spring.stiffness=5e6"});
+  const auto start =
+      test::machine_file(transverse_machine().text, {"legs.oil_spring.stiffness=5e6"});
   Plan plan{.free = test::free_paths({"legs.oil_spring.stiffness", "legs.case.mass"})};
   plan.options.threads = 1;
   const auto one = calibrate(start, targets, plan, ModelKind::guide);

@@ -33,11 +33,11 @@ observation::Targets all_lower() {
 TEST(CommonError, OfAllFrequenciesIdentifiesNoCause) {
   const auto file = heavy_platform();
   const auto targets = all_lower();
-  const auto d = diagnose(file, targets, ModelKind::guide, {}, {.common_share = 0.5, .strongest = 1});
+  const auto d =
+      diagnose(file, targets, ModelKind::guide, {}, {.common_share = 0.5, .strongest = 1});
   EXPECT_EQ(d.finding, Finding::nominal) << test::verdict(d);
   EXPECT_GE(d.modes.size(), 20U);
-  const auto alone =
-      diagnose(file, targets, ModelKind::guide, {}, {.strongest = 1});
+  const auto alone = diagnose(file, targets, ModelKind::guide, {}, {.strongest = 1});
   EXPECT_NE(alone.finding, Finding::nominal);
   EXPECT_LT(goodness(alone, alone.nominal()).probability, 1e-4);
 }

@@ -294,8 +294,7 @@ TEST(Diagnose, FindsAPairOfWhichNeitherExplainsMostAlone) {
       .repetition = 17};
   const auto file = test::machine_file(planted.text(), {});
   const auto targets = test::by_noise(planted, test::machine_file(planted.text(), planted.fault));
-  const auto d = diagnose(file, targets, ModelKind::guide, file.machine.poses,
-                          {.strongest = 1});
+  const auto d = diagnose(file, targets, ModelKind::guide, file.machine.poses, {.strongest = 1});
   const auto single = std::ranges::find_if(d.hypotheses, [&](const auto& e) {
     return e.causes.size() == 1 && d.causes[e.causes.front()].in_pairs();
   });

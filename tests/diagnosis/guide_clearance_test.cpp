@@ -15,7 +15,7 @@ using test::names_of;
 constexpr const char* of_gaps = "gap at the guide rings of all legs";
 
 /// The rods sag by more than the stated gap of 0.31 mm at their sleeves and lie on the rings. Worn
-/// rings let them sag twice as far: fewer rods reach them, and the O-rings alone hold the others.
+/// rings let them sag three times as far: fewer rods reach them, and O-rings alone hold the others.
 BlindCase worn_rings() {
   return {.machine = "heavy-platform.toml",
           .design = {"legs.guide_sleeve.gap=0.31 mm", "legs.guide_sleeve.guide_stiffness=4.3e7"},

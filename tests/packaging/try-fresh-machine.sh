@@ -15,38 +15,11 @@ suite=$1
 folder=$(realpath -m -- "$2")
 shift 2
 commands=("$@")
-repository=$(git -C "$(dirname -- "$(readlink -f -- "$0")")" rev-parse --show-toplevel)
 inside=/root/hydrapod
-trust=()
-
-step() { printf '\n--- %s\n' "$*"; }
-
-# A clean environment, as after a login; /proc and pseudo terminals in a mount namespace that ends with
-# the command.
-in_root() {
-  # shellcheck disable=SC2016  # expanded by the shell inside
-  unshare --mount --propagation private bash -c '
-    mount -t proc proc "$1/proc" && mount -t devpts devpts "$1/dev/pts" && shift 1 && exec "$@"' _ "$folder" \
-    env -i PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin HOME=/root \
-    TERM="${TERM:-dumb}" "${trust[@]}" chroot "$folder" "$@"
-}
-
-make_root() {
-  [[ -d $folder/usr ]] && return
-  step "debootstrap --variant=minbase $suite"
-  debootstrap --variant=minbase "$suite" "$folder" "${MIRROR:-http://deb.debian.org/debian}"
-}
-
-# What a machine on the same network has anyway: names, and trust in the network's own authority, if
-# there is one and npm is told of it.
-share_network_settings() {
-  cp -L /etc/resolv.conf /etc/hosts "$folder/etc/"
-  mkdir -p "$folder/usr/local/share"
-  cp -r /usr/local/share/ca-certificates "$folder/usr/local/share/"
-  if [[ -z ${NODE_EXTRA_CA_CERTS:-} ]]; then return; fi
-  cp -L "$NODE_EXTRA_CA_CERTS" "$folder/etc/network-authority.crt"
-  trust=(NODE_EXTRA_CA_CERTS=/etc/network-authority.crt)
-}
+here=$(dirname -- "$(readlink -f -- "$0")")
+# shellcheck source=tests/packaging/bare_root.sh
+source "$here/bare_root.sh"
+repository=$(git -C "$here" rev-parse --show-toplevel)
 
 clone() {
   step "git clone"
@@ -68,22 +41,14 @@ try_without_rights() {
   ((status == 3))
 }
 
-run() {
-  step "$*"
-  local began=$SECONDS
-  # shellcheck disable=SC2016
-  in_root bash -c 'cd "$1" && shift && "$@"' _ "$inside" "$@"
-  echo "took $((SECONDS - began)) s"
-}
-
-make_root
+make_root "$suite"
 share_network_settings
 clone
 if [[ ! -x $folder/usr/bin/cmake ]]; then try_without_rights; fi
 if ((${#commands[@]})); then
-  run "${commands[@]}"
+  run $inside "${commands[@]}"
 else
-  run ./hydrapod --version
-  run ./hydrapod --version
-  run ./test
+  run $inside ./hydrapod --version
+  run $inside ./hydrapod --version
+  run $inside ./test
 fi

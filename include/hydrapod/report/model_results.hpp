@@ -206,10 +206,6 @@ void plot_bode(const Bode& bode, const std::vector<Entry>& entries, const PlotTe
 /// 10 % are left out. A leg that has most of a part's share is named.
 std::string participation_text(const simulation::SystemPole& pole);
 
-/// Which of `poles.poles` grow. In a sampled loop its exact poles decide: each of them that grows
-/// is the nearest of the continuous approximation that is left.
-std::vector<bool> growing(const simulation::SystemPoles& poles);
-
 /// "stable: …" or "unstable: …", by the sampled loop, with the pole that decides it.
 std::string verdict_text(const simulation::SystemPoles& poles);
 

@@ -133,6 +133,7 @@ struct SystemPole {
   std::complex<double> pole{};                  ///< λ [1/s], Im ≥ 0: one of each conjugate pair
   double omega{};                               ///< |λ| [rad/s]
   double damping_ratio{};                       ///< −Re λ / |λ|, 1 for real stable poles
+  bool stable{true};                            ///< mark_growing()
   int group{};                                  ///< same number for equal poles
   std::array<double, part_count> parts{};       ///< participation by Part, sum 1
   std::array<double, model::leg_count> legs{};  ///< of seals, oil, lines, valves, motors by leg
@@ -165,6 +166,10 @@ struct SystemPoles {
 };
 
 SystemPoles system_poles(const LinearSystem& system);
+
+/// Sets SystemPole::stable of `poles.poles`. In a sampled loop its exact poles decide: each of them
+/// that grows is the nearest of the continuous approximation that is left.
+void mark_growing(SystemPoles& poles);
 
 /// H(iω) from the commanded displacement (with its velocity, fed forward) to the platform's.
 /// 6×6, at `omega` [rad/s].

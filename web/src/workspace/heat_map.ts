@@ -3,6 +3,7 @@
 import { map, mapStatus } from '../core/core';
 import { directions } from '../document';
 import { html, onNewWidth, svg } from '../dom';
+import { keepInPlace } from '../in_place';
 import { significant } from '../numbers';
 import { contour, niceLevels } from './contour';
 import { finest, type Field } from './field';
@@ -64,9 +65,7 @@ export class HeatMap {
 
   /** `moved` gets displacements in the two directions [m, rad]; `done` ends a drag. */
   constructor(moved: (across: number, up: number) => void, done: () => void) {
-    // Where the drag began: sections above grow and shrink with the pose, and the browser scrolls the picture
-    // back to its place one frame later.
-    let box = new DOMRect();
+    let box = new DOMRect(); // where the picture stays while it is dragged
     const move = (event: PointerEvent) => {
       if (!this.field) return;
       const [x, y] = [event.clientX - box.left, event.clientY - box.top].map((d) => (d * this.width) / box.width) as [number, number];
@@ -76,6 +75,7 @@ export class HeatMap {
       this.picture.setPointerCapture(event.pointerId);
       event.preventDefault();
       box = this.picture.getBoundingClientRect();
+      keepInPlace(this.picture, document.querySelectorAll('main > section'));
       move(event);
     });
     this.picture.addEventListener('pointermove', (event) => this.picture.hasPointerCapture(event.pointerId) && move(event));

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "hydrapod/report/model_results.hpp"
+#include "hydrapod/simulation/linear_system.hpp"
 
 namespace hydrapod::test {
 namespace {
@@ -14,11 +14,17 @@ TEST(Growing, ArePolesOfTheSampledLoop) {
   simulation::SystemPoles poles;
   poles.poles = {
       {.pole = {0.3, 0.0}}, {.pole = {-0.1, 7.1}}, {.pole = {-0.1, 7.1}}, {.pole = {-2.0, 9.3}}};
-  EXPECT_EQ(report::growing(poles), (std::vector{true, false, false, false}));
+  const auto marked = [&] {
+    mark_growing(poles);
+    std::vector<bool> stable;
+    for (const auto& pole : poles.poles) stable.push_back(pole.stable);
+    return stable;
+  };
+  EXPECT_EQ(marked(), (std::vector{false, true, true, true}));
   poles.sampled = {{0.2, 7.2}, {0.1, 7.2}, {-0.4, 0.0}, {-2.1, 9.1}};
-  EXPECT_EQ(report::growing(poles), (std::vector{false, true, true, false}));
+  EXPECT_EQ(marked(), (std::vector{true, false, false, true}));
   poles.poles.clear();
-  EXPECT_TRUE(report::growing(poles).empty());
+  EXPECT_TRUE(marked().empty());
 }
 
 }  // namespace
