@@ -123,6 +123,7 @@ SECOND_OF_NOISE(adaptive_guide, with(Method::adaptive, 1e-5), ModelKind::guide);
 SECOND_OF_NOISE(adaptive_equal_error, with(Method::adaptive, 1e-6), ModelKind::guide);
 SECOND_OF_NOISE(adaptive_tight, with(Method::adaptive, 1e-7), ModelKind::guide);
 SECOND_OF_NOISE(adaptive_rigid, with(Method::adaptive, 1e-5), ModelKind::rigid);
+SECOND_OF_NOISE(exponential_loose, with(Method::exponential, 1e-4), ModelKind::guide);
 SECOND_OF_NOISE(exponential_guide, with(Method::exponential, 1e-5), ModelKind::guide);
 SECOND_OF_NOISE(exponential_tight, with(Method::exponential, 1e-7), ModelKind::guide);
 SECOND_OF_NOISE(exponential_rigid, with(Method::exponential, 1e-5), ModelKind::rigid);

@@ -22,7 +22,7 @@ namespace hydrapod::identification {
 
 namespace {
 
-constexpr Index kernel_reach = 12;  // lines of the spectra on either side that are mixed
+constexpr Index kernel_reach = 12;  // lines on either side that a line of the result averages
 constexpr double negligible_covariance = 0.03;
 
 /// The factor q(τ) = e^(−aτ)/ρ(τ) on impulse responses, and what it does to their errors.
@@ -30,7 +30,7 @@ struct LagWindow {
   double a{};           // [1/s]
   VectorXd rho;         // n/2 + 1 lags
   VectorXd decay;       // e^(−aτ), n/2 lags
-  VectorXd kernel;      // weight of lines −reach … reach, sum 1
+  VectorXd mixing;      // n lags: transform of the weights of lines, whose sum is 1
   double noise{};       // c: variance after by variance before
   double more_lines{};  // lines that the kernel averages, in independent ones
   std::vector<Complex> line_covariance;
@@ -73,15 +73,24 @@ LagWindow lag_window(const CrossSpectra& spectra, double decay) {
     if (std::abs(sum) < negligible_covariance * w.noise) break;
     w.line_covariance.push_back(sum / w.noise);
   }
-  w.kernel = VectorXd(2 * kernel_reach + 1);
-  for (Index d = -kernel_reach; d <= kernel_reach; ++d)
-    w.kernel[d + kernel_reach] = std::norm(line_of(q, -d, n));
-  w.kernel /= w.kernel.sum();
-  double together = 0.0;
-  for (Index d = 0; d < w.kernel.size(); ++d)
-    for (Index e = 0; e < w.kernel.size(); ++e)
+  numerics::RealFft fft(static_cast<int>(n));
+  std::vector<double> lags(static_cast<std::size_t>(n), 0.0);
+  std::copy(q.begin(), q.end(), lags.begin());
+  std::vector<Complex> weights(static_cast<std::size_t>(fft.lines()));
+  fft.forward(lags, weights);
+  for (Complex& weight : weights) weight = std::norm(weight);
+  const std::vector<Complex> powers = weights;
+  fft.inverse(weights, lags);
+  w.mixing = VectorXd::Map(lags.data(), n) / lags.front();
+  double together = 0.0, all = 0.0;
+  for (Index d = -kernel_reach; d <= kernel_reach; ++d) {
+    all += powers[static_cast<std::size_t>(std::abs(d))].real();
+    for (Index e = -kernel_reach; e <= kernel_reach; ++e)
       if (const auto apart = static_cast<std::size_t>(std::abs(d - e)); apart < before.size())
-        together += w.kernel[d] * w.kernel[e] * before[apart];
+        together += powers[static_cast<std::size_t>(std::abs(d))].real() *
+                    powers[static_cast<std::size_t>(std::abs(e))].real() * before[apart];
+  }
+  together /= all * all;
   w.more_lines = 1.0 / together;
   return w;
 }
@@ -123,27 +132,9 @@ FromInstruments from_instruments(const CrossSpectra& spectra, const ChannelChoic
   return f;
 }
 
-/// Whether errors of the first lines are so large that those of lines far away come from them.
-bool drifts(const FromInstruments& f, Index first, const DampedOptions& options) {
-  const auto lines = static_cast<Index>(f.H.size());
-  MatrixXd variance(f.noise[0].rows(), lines);
-  for (Index k = 0; k < lines; ++k) {
-    const auto line = static_cast<std::size_t>(k);
-    variance.col(k) = f.P[line].trace().real() * f.noise[line].diagonal().real();
-  }
-  for (Index i = 0; i < variance.rows(); ++i) {
-    const double largest = variance.row(i).head(first).maxCoeff();
-    const VectorXd row = variance.row(i);
-    const double usual = numerics::upper_median({row.begin(), row.end()});
-    if (!(largest < options.drift * usual)) return true;
-  }
-  return false;
-}
-
 /// Lines at which the instruments are strong enough, and seen in outputs and inputs.
 std::vector<bool> excited_lines(const CrossSpectra& spectra, const std::vector<int>& instruments,
-                                const FromInstruments& f, Index first,
-                                const DampedOptions& options) {
+                                const FromInstruments& f, const DampedOptions& options) {
   const Index lines = spectra.lines();
   std::vector<bool> excited(static_cast<std::size_t>(lines), true);
   for (const int r : instruments) {
@@ -160,7 +151,6 @@ std::vector<bool> excited_lines(const CrossSpectra& spectra, const std::vector<i
     if (!seen(std::max<Index>(0, k - options.seen_reach), k) ||
         !seen(k, std::min(lines - 1, k + options.seen_reach)))
       excited[static_cast<std::size_t>(k)] = false;
-  if (drifts(f, first, options)) std::fill_n(excited.begin(), first, false);
   return excited;
 }
 
@@ -209,32 +199,20 @@ VectorXd band_edges(const std::vector<bool>& excited, const DampedOptions& optio
   return std::log(options.attenuation) * smoothed(outside, options.edge);
 }
 
-/// ln |D| that makes what has the `power` (channels × lines) flat, as a mean over channels: from
-/// excited lines, over the others bridged.
-VectorXd whitening(const MatrixXd& power, const std::vector<bool>& excited,
+/// ln |D| that makes errors of H_wr flat, as a mean over its channels: of excited lines, and over
+/// the others bridged.
+VectorXd whitening(const FromInstruments& f, const std::vector<bool>& excited,
                    const DampedOptions& options) {
-  const VectorXd total = power.rowwise().sum().cwiseMax(1e-300);
-  VectorXd flat = (power.array().colwise() / total.array()).colwise().sum().transpose();
+  const auto lines = static_cast<Index>(f.H.size()), rows = f.H[0].rows();
+  MatrixXd variance = MatrixXd::Zero(rows, lines);
+  for (Index k = 0; k < lines; ++k)
+    if (const auto line = static_cast<std::size_t>(k); excited[line])
+      variance.col(k) = f.P[line].trace().real() * f.noise[line].diagonal().real();
+  const VectorXd total = variance.rowwise().sum().cwiseMax(1e-300);
+  VectorXd flat = (variance.array().colwise() / total.array()).colwise().sum().transpose();
   flat = -0.5 * flat.cwiseMax(options.deepest * flat.maxCoeff()).array().log().matrix();
   bridge(flat, [&](Index k) { return !excited[static_cast<std::size_t>(k)]; });
   return smoothed(flat, options.whitening);
-}
-
-/// Σ over inputs of |H_wr|² at excited lines, and of its variance.
-struct Powers {
-  MatrixXd response, error;
-};
-
-Powers powers(const FromInstruments& f, const std::vector<bool>& excited) {
-  const auto lines = static_cast<Index>(f.H.size()), rows = f.H[0].rows();
-  Powers p{MatrixXd::Zero(rows, lines), MatrixXd::Zero(rows, lines)};
-  for (Index k = 0; k < lines; ++k) {
-    const auto line = static_cast<std::size_t>(k);
-    if (!excited[line]) continue;
-    p.response.col(k) = f.H[line].rowwise().squaredNorm();
-    p.error.col(k) = f.P[line].trace().real() * f.noise[line].diagonal().real();
-  }
-  return p;
 }
 
 /// H'(ω) at every second line, n/4 + 1 of them, from H at excited lines and 0 at others.
@@ -264,29 +242,58 @@ std::vector<MatrixXcd> brought_to_shift(const std::vector<MatrixXcd>& H,
   return result;
 }
 
-/// Means over the lines that the lag window mixes, of errors D e whose covariance is W by |D|² P.
-struct Errors {
-  MatrixXcd W, P;
+/// Means over all lines as the lag window mixes them, of what is given at each.
+class Mixed {
+ public:
+  explicit Mixed(const LagWindow& window)
+      : mixing_(window.mixing),
+        fft_(static_cast<int>(mixing_.size())),
+        lags_(static_cast<std::size_t>(mixing_.size())) {}
+
+  void operator()(std::vector<Complex>& lines) {
+    lines.back() = lines.back().real();
+    fft_.inverse(lines, lags_);
+    for (std::size_t t = 0; t < lags_.size(); ++t) lags_[t] *= mixing_[static_cast<Index>(t)];
+    fft_.forward(lags_, lines);
+  }
+  /// Hermitian matrices.
+  void operator()(std::vector<MatrixXcd>& matrices) {
+    std::vector<Complex> lines(matrices.size());
+    for (Index i = 0; i < matrices[0].rows(); ++i)
+      for (Index j = 0; j <= i; ++j) {
+        for (std::size_t k = 0; k < lines.size(); ++k) lines[k] = matrices[k](i, j);
+        (*this)(lines);
+        for (std::size_t k = 0; k < lines.size(); ++k) {
+          matrices[k](i, j) = lines[k];
+          matrices[k](j, i) = std::conj(lines[k]);
+        }
+      }
+  }
+
+ private:
+  const VectorXd& mixing_;
+  numerics::RealFft fft_;
+  std::vector<double> lags_;
 };
 
-Errors mixed(const FromInstruments& f, const std::vector<Complex>& D, Index line,
-             const VectorXd& kernel) {
-  Errors e{MatrixXcd::Zero(f.noise[0].rows(), f.noise[0].rows()),
-           MatrixXcd::Zero(f.P[0].rows(), f.P[0].rows())};
-  double kernels = 0.0, sizes = 0.0;
-  for (Index d = -kernel_reach; d <= kernel_reach; ++d) {
-    const auto k = static_cast<std::size_t>(std::abs(line + d));
-    if (k >= D.size()) continue;
-    const double weight = kernel[d + kernel_reach], share = weight * std::norm(D[k]);
-    const double size = share * f.P[k].trace().real();
-    const bool negative = line + d < 0;
-    e.W += size * (negative ? MatrixXcd(f.noise[k].conjugate()) : f.noise[k]);
-    e.P += share * (negative ? MatrixXcd(f.P[k].conjugate()) : f.P[k]);
-    kernels += weight;
-    sizes += size;
+/// Covariance W by P of the errors D e at each line, means over the lines that are mixed there.
+struct Errors {
+  std::vector<MatrixXcd> W, P;
+};
+
+Errors mixed(const FromInstruments& f, const std::vector<Complex>& D, const LagWindow& window) {
+  Errors e;
+  std::vector<Complex> sizes;
+  for (std::size_t k = 0; k < D.size(); ++k) {
+    e.P.push_back(std::norm(D[k]) * f.P[k]);
+    sizes.emplace_back(e.P.back().trace().real());
+    e.W.push_back(sizes.back() * f.noise[k]);
   }
-  e.W /= sizes;
-  e.P /= kernels;
+  Mixed mix(window);
+  mix(e.W);
+  mix(e.P);
+  mix(sizes);
+  for (std::size_t k = 0; k < D.size(); ++k) e.W[k] /= sizes[k].real();
   return e;
 }
 
@@ -331,6 +338,8 @@ void warn_of_weak_excitation(const std::vector<double>& F, double strong, double
 double add_line(const CrossSpectra& spectra, const ChannelChoice& c, const MatrixXcd& H_wr,
                 const Errors& errors, double scale, double strong, Index line,
                 FrequencyResponses& r) {
+  const MatrixXcd &W = errors.W[static_cast<std::size_t>(line)],
+                  &P = errors.P[static_cast<std::size_t>(line)];
   const auto outputs = static_cast<Index>(c.outputs.size()),
              p = static_cast<Index>(c.inputs.size());
   const MatrixXcd G = H_wr.bottomRows(p).partialPivLu().inverse();
@@ -338,17 +347,17 @@ double add_line(const CrossSpectra& spectra, const ChannelChoice& c, const Matri
   difference.leftCols(outputs).setIdentity();
   const MatrixXcd H = H_wr.topRows(outputs) * G;
   difference.rightCols(p) = -H;
-  MatrixXcd V = difference * errors.W * difference.adjoint();
+  MatrixXcd V = difference * W * difference.adjoint();
   keep_positive(spectra, line, c.outputs, V);
   r.frequency.push_back(spectra.frequency(line));
   r.H.push_back(H);
-  r.input_factor.push_back(G.adjoint() * errors.P * G);
+  r.input_factor.push_back(G.adjoint() * P * G);
   r.noise.push_back(scale * V);
   auto quality = quality_of(spectra, line, c, V);
   r.coherence.push_back(std::move(quality.coherence));
   r.multiple_coherence.push_back(std::move(quality.multiple_coherence));
   r.input_density.push_back(std::move(quality.input_density));
-  return first_stage(errors.W.bottomRightCorner(p, p), r.input_factor.back(), scale, strong);
+  return first_stage(W.bottomRightCorner(p, p), r.input_factor.back(), scale, strong);
 }
 
 }  // namespace
@@ -361,32 +370,15 @@ FrequencyResponses damped_instrumental(const CrossSpectra& spectra, const Channe
   const LagWindow window = lag_window(spectra, options.decay);
   const auto first = static_cast<Index>(spectra.statistics.line_covariance.size());
   auto f = from_instruments(spectra, c, K);
-  const auto excited = excited_lines(spectra, c.instruments, f, first, options);
+  const auto excited = excited_lines(spectra, c.instruments, f, options);
   for (std::size_t k = 0; k < excited.size(); ++k)
     if (!excited[k]) f.H[k].setZero();
   const VectorXd edges = band_edges(excited, options);
-  const auto power = powers(f, excited);
-  VectorXd flat = whitening(power.response, excited, options);
-  {
-    double worst = 0.0;
-    for (Index i = 0; i < power.error.rows(); ++i) {
-      VectorXd e = power.error.row(i).transpose().cwiseProduct((2.0 * flat).array().exp().matrix());
-      std::vector<double> in;
-      double sum = 0.0;
-      for (std::size_t k = 0; k < excited.size(); ++k)
-        if (excited[k]) in.push_back(e[static_cast<Index>(k)]), sum += in.back();
-      const double median = numerics::upper_median(in);
-      worst = std::max(worst, sum / median - static_cast<double>(in.size()));
-    }
-    const char* how = getenv("HD");
-    if (getenv("HV")) fprintf(stderr, "excess %g\n", worst);
-    if (how != nullptr && (how[0] == 'e' || (how[0] == 'a' && worst > atof(how + 1))))
-      flat = whitening(power.error, excited, options);
-  }
-  auto D = minimum_phase(edges + flat);
+  auto D = minimum_phase(edges + whitening(f, excited, options));
   for (std::size_t k = 0; k < excited.size(); ++k)
     if (!excited[k]) D[k] = 0.0;
   const auto H = brought_to_shift(f.H, D, window);
+  const auto errors = mixed(f, D, window);
   r.degrees = (K - p) * window.more_lines;
   r.shift = window.a;
   r.line_covariance = window.line_covariance;
@@ -396,9 +388,8 @@ FrequencyResponses damped_instrumental(const CrossSpectra& spectra, const Channe
   for (Index k = (first + apart) / 2; 2 * k + apart < spectra.lines(); ++k) {
     if (!(edges[2 * k] > std::log(options.least_share))) continue;
     if (!(conditions[2 * k] < singular_condition)) continue;
-    F.push_back(add_line(spectra, c, H[static_cast<std::size_t>(k)],
-                         mixed(f, D, 2 * k, window.kernel), window.noise / (K - p), options.strong,
-                         2 * k, r));
+    F.push_back(add_line(spectra, c, H[static_cast<std::size_t>(k)], errors, window.noise / (K - p),
+                         options.strong, 2 * k, r));
     r.condition.push_back(conditions[2 * k]);
   }
   if (r.lines() < options.least_lines) return estimate_responses(spectra, wanted, r.estimator);

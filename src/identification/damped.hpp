@@ -13,21 +13,23 @@
 /// estimate over all lines, divided by ρ(τ), for τ up to half a block; a makes what is cut off
 /// there small. Excitation must be flat over a few lines.
 ///
-/// The cut at τ = 0 spreads errors of the strongest lines over all others. All of H_wr, divided by
-/// ρ(τ), is therefore multiplied by a filter D(ω), one for outputs and inputs, which the quotient
-/// cancels. |D| is the inverse of |H_wr| as a mean over outputs and inputs: sharp poles of the loop
-/// make no strong lines. Where r says nothing, H_wr is noise; there |D| falls to 0 within a few
-/// lines. D has minimum phase: D H_wr remains causal, so that nothing is cut off at τ = 0, and its
-/// delay, over which the lag window gives more weight to noise than to the response, is the least
-/// possible.
+/// The cut at τ = 0 spreads errors of the strongest lines over all others, 1/(2πd)² of their
+/// variance to the d-th line, and with one phase: what comes from a sharp pole of the loop looks
+/// like a mode there. All of H_wr, divided by ρ(τ), is therefore multiplied by a filter D(ω), one
+/// for outputs and inputs, which the quotient cancels. |D| is the inverse of the standard deviation
+/// of H_wr, as a mean over outputs and inputs: D H_wr has no strong errors. Where r says nothing,
+/// H_wr is noise; there |D| falls to 0 within a few lines. D has minimum phase: D H_wr remains
+/// causal, so that nothing is cut off at τ = 0, and its delay, over which the lag window gives more
+/// weight to noise than to the response, is the least possible.
 ///
-/// Errors. With w = (y, u) − H_wr r, its spectrum W̄ and P̄ = |D|² S_rr⁻¹ averaged over the lines
-/// that the lag window mixes, K blocks and p inputs,
+/// Errors. With w = (y, u) − H_wr r, its spectrum W̄ and P̄ = |D|² S_rr⁻¹ averaged over all lines as
+/// the lag window mixes them, K blocks and p inputs,
 ///
 ///     cov(H_oi, H_pj*) = [(I, −H) W̄ (I, −H)ᴴ]_op Q_ji c/(K − p),   Q = H'_ur⁻ᴴ P̄ H'_ur⁻¹,
 ///
 /// c = Σ |q|² v over lags: q the factor on h, v the share of the estimate's scatter at that lag,
-/// which also gives the covariance of neighbouring lines.
+/// which also gives the covariance of neighbouring lines. Lines far away count: errors of one line
+/// cancel in (I, −H) W̄ (I, −H)ᴴ where the loop resonates, and those of others do not.
 ///
 /// Weak excitation. The errors of H'_ur are known in the same way, and H'_ur⁻¹ is right to first
 /// order only where they are small beside it, in every direction of u. Their ratio is the F
@@ -55,10 +57,6 @@ struct DampedOptions {
   /// inputs, as at a sharp resonance inside the loop, is no end of the excitation.
   double seen{2.0};
   Eigen::Index seen_reach{6};
-  /// The first lines, in which the mean shows, are not excited where the variance of H_wr there is
-  /// above drift · its median. The cut at τ = 0 brings 1/(2πd)² of it to the d-th line from there:
-  /// beyond the lines that are in the intervals, d > 12, at most a tenth of the variance of those.
-  double drift{500.0};
   /// Lines: standard deviation of the bell that rounds the edges of ln |D|, and distance of the
   /// edges from lines that are not excited. Narrower edges make D ring past the end of a block.
   double edge{6.0};
@@ -68,9 +66,9 @@ struct DampedOptions {
   double least_share{0.1};
   std::size_t least_lines{16};
   /// Lines: standard deviation of the bell that smooths ln |D| between the edges. Without it D
-  /// would follow the scatter of H_wr and ring past the end of a block.
+  /// would follow the scatter of the estimated noise and ring past the end of a block.
   double whitening{1.0};
-  /// Power of H_wr, by that of the strongest line, below which D rises no more.
+  /// Variance of H_wr, by that of the strongest line, below which D rises no more.
   double deepest{1e-6};
   /// The excitation is weak at a line where F < strong. In some 1200 loops of three masses, excited
   /// more and more weakly, 95 % intervals held 88 % where F was from 1 to 5, 90 % from 5 to 50 and
