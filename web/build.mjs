@@ -30,11 +30,13 @@ async function bundle(entry, plugins = []) {
     plugins,
     logLevel: 'warning',
   });
-  // lines begin only in the texts of shaders, which need no indentation, comments and empty lines
+  // lines begin only in the texts of shaders, which need no indentation, comments and empty lines; those without
+  // a back quote are shader and nothing else, and need no blanks
   return result.outputFiles[0].text
     .replace(/\n[ \t]+/g, '\n')
     .replace(/\n\/\/[^\n]*/g, '')
-    .replace(/\n\n+/g, '\n');
+    .replace(/\n\n+/g, '\n')
+    .replace(/(?<=\n)[^\n`$#]+(?=\n)/g, (line) => line.replace(/ *([=(),*;{}]) */g, '$1'));
 }
 
 // The worker is a script of its own inside the page's script.

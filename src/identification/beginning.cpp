@@ -12,7 +12,7 @@ namespace hydrapod::identification {
 Beginning::Beginning(data::RecordSet& records, const ChannelChoice& choice, std::int64_t settling)
     : records_(records), settling_(settling) {
   for (const int input : choice.inputs) samples_[input];
-  if (!choice.instruments.empty()) samples_[choice.instruments.front()];
+  for (const int instrument : choice.instruments) samples_[instrument];
 }
 
 VectorXd Beginning::of(int channel) {

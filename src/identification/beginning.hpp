@@ -11,7 +11,7 @@
 
 namespace hydrapod::identification {
 
-/// The first samples of the inputs and the first instrument, up to a million past what settles, of
+/// The first samples of the inputs and the instruments, up to a million past what settles, of
 /// the first record. They are read once, when they are asked for.
 class Beginning {
  public:

@@ -33,14 +33,16 @@ std::int64_t period_to_use(data::RecordSet& records, const Plan& plan,
   return period % 2 == 0 ? period : 2 * period;  // blocks have an even length
 }
 
-/// Of inputs of H1. Where other records follow, or the record goes on, they may pass all.
+/// Of inputs of H1, or of the instruments of a loop. Where other records follow, or the record goes
+/// on, they may pass all.
 std::optional<Swept> sweep_of(const data::RecordSet& records, const Plan& plan,
                               Beginning& beginning) {
-  if (plan.estimator != Estimator::h1) return {};
+  const bool loop = plan.estimator == Estimator::instrumental;
+  if (plan.estimator != Estimator::h1 && !loop) return {};
   const double rate = records.header().sample_rate;
   std::optional<Swept> all;
-  for (const int input : plan.choice.inputs) {
-    const auto own = sweep_in(beginning.of(input), rate);
+  for (const int channel : loop ? plan.choice.instruments : plan.choice.inputs) {
+    const auto own = sweep_in(beginning.of(channel), rate);
     if (own && all) all = Swept{std::min(all->from, own->from), std::max(all->to, own->to)};
     if (own && !all) all = own;
   }

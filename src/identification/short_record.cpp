@@ -254,7 +254,8 @@ std::optional<data::ResponseWarning> warning_of_cut_sweep(const data::RecordSet&
       .kind = Kind::cut_sweep,
       .value = static_cast<double>(reading.spectrum.block_length) / records.header().sample_rate,
       .count = static_cast<std::int64_t>(blocks.fit),
-      .total = static_cast<std::int64_t>(std::ceil(blocks.needed))};
+      .total = static_cast<std::int64_t>(std::ceil(blocks.needed)),
+      .estimator = reading.plan.estimator};
 }
 
 bool keep_short_record(data::RecordSet& records, const Reading& reading, const BlockCount& blocks,

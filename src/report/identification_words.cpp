@@ -362,8 +362,12 @@ std::string warning_text(const data::ResponseWarning& w) {
       return fmt::format(
           "the excitation is a sweep, and the record has {} block{} of {:.3g} s side by side: they "
           "cut the sweep into pieces, and damping ratios may be wrong by more than their "
-          "intervals; identify takes the record itself in one piece, or record {} blocks",
-          w.count, w.count == 1 ? "" : "s", w.value, w.total);
+          "intervals; {} record {} blocks",
+          w.count, w.count == 1 ? "" : "s", w.value,
+          w.estimator == data::Estimator::instrumental
+              ? "sweep more slowly, and"
+              : "identify takes the record itself in one piece, or",
+          w.total);
   }
   return {};
 }

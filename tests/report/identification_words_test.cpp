@@ -277,6 +277,16 @@ TEST(IdentificationWords, AModeThatMayBeAnImageIsSaid) {
                         "no anti-alias filter was used"));
 }
 
+/// In a loop nothing is taken in one piece.
+TEST(IdentificationWords, OfSweepsInALoop) {
+  EXPECT_THAT(warning_text(data::ResponseWarning{.kind = data::ResponseWarning::Kind::cut_sweep,
+                                                 .value = 16.384,
+                                                 .count = 3,
+                                                 .total = 8,
+                                                 .estimator = data::Estimator::instrumental}),
+              testing::EndsWith("their intervals; sweep more slowly, and record 8 blocks"));
+}
+
 TEST(IdentificationWords, OfPoles) {
   EXPECT_STREQ(words(identification::Objection::doubles), "repeats another pole");
   EXPECT_STREQ(words(identification::PoleStability::fresh), "new");
