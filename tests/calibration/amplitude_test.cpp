@@ -82,6 +82,11 @@ TEST(Amplitudes, GiveTheBristlesOfSeals) {
              "legs.friction.bristles.stiffness", 2.3e7, {3.1e-6, 2.3e-5});
 }
 
+TEST(Amplitudes, GiveTheBristlesOfJoints) {
+  comes_back({"legs.guide_sleeve.stiffness=8.7e6", "legs.joint_friction.coulomb=31 N m"},
+             "legs.joint_friction.bristle_stiffness", 2.1e5, {7.1e-6, 4.3e-5});
+}
+
 TEST(Amplitudes, AreOfMechanicsAlone) {
   const auto file =
       test::machine_file(test::read_text(test::source_file("models/heavy-platform.toml")));
