@@ -207,10 +207,12 @@ VectorXd whitening(const FromInstruments& f, const std::vector<bool>& excited,
   MatrixXd variance = MatrixXd::Zero(rows, lines);
   for (Index k = 0; k < lines; ++k)
     if (const auto line = static_cast<std::size_t>(k); excited[line])
-      variance.col(k) = f.P[line].trace().real() * f.noise[line].diagonal().real();
+      variance.col(k) = f.P[line].trace().real() * f.noise[line].diagonal().real().cwiseMax(0.0);
   const VectorXd total = variance.rowwise().sum().cwiseMax(1e-300);
   VectorXd flat = (variance.array().colwise() / total.array()).colwise().sum().transpose();
-  flat = -0.5 * flat.cwiseMax(options.deepest * flat.maxCoeff()).array().log().matrix();
+  const double least = options.deepest * flat.maxCoeff();
+  if (!(least > 0.0)) return VectorXd::Zero(lines);  // rounding is all there is
+  flat = -0.5 * flat.cwiseMax(least).array().log().matrix();
   bridge(flat, [&](Index k) { return !excited[static_cast<std::size_t>(k)]; });
   return smoothed(flat, options.whitening);
 }

@@ -344,7 +344,8 @@ TEST_F(Serve, AMachineBehindUdpIsIdentified) {
   EXPECT_THAT(hardware.err, HasSubstr(" 0 malformed, 0 refused"));
   const auto simulated = run(with({"rig", machine, "-o", "simulated.h5"}));
   ASSERT_EQ(simulated.exit_code, 0) << simulated.err;
-  // the oil modes; those of the seals and of x and y are hidden in the loop's noise in both records
+  // the oil modes; those of the seals are hidden in the loop's noise in both records, and those of x
+  // and y nearly so, which their quality says
   const auto oil_modes_of = [&](const char* record) {
     const auto found = run({"identify", record, "--format", "json"});
     EXPECT_EQ(found.exit_code, 0) << found.err;
@@ -353,6 +354,8 @@ TEST_F(Serve, AMachineBehindUdpIsIdentified) {
     for (const auto& pair : document["comparison"]["pairs"]) {
       const std::string label = pair["model"]["label"];
       if (label.find("oil springs") == label.npos) continue;
+      const auto number = pair["mode"].get<std::size_t>() - 1;
+      if (document["modes"][number]["quality"].get<double>() < 0.5) continue;
       EXPECT_LT(std::abs(pair["frequency_difference_percent"].get<double>()), 0.4) << label;
       EXPECT_GT(pair["mac"].get<double>(), 0.99) << label;
       const double frequency = pair["model"]["frequency_hz"];

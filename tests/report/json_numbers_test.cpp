@@ -360,8 +360,11 @@ TEST(NumbersInJson, OfASystem) {
   system.linear.delay = 0.0029;
   system.linear.pade_order = 3;
   system.linear.sample_time = 0.0013;
-  simulation::SystemPole pole{
-      .pole = {-1.1, 7.3}, .omega = two_pi * 1.2, .damping_ratio = 0.149, .group = 5};
+  simulation::SystemPole pole{.pole = {-1.1, 7.3},
+                              .omega = two_pi * 1.2,
+                              .damping_ratio = 0.149,
+                              .stable = false,
+                              .group = 5};
   Json parts;
   for (int i = 0; i < simulation::part_count; ++i) {
     pole.parts[static_cast<std::size_t>(i)] = 0.011 * (i + 1);
