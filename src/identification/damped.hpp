@@ -71,9 +71,8 @@ struct DampedOptions {
   /// Variance of H_wr, by that of the strongest line, below which D rises no more.
   double deepest{1e-6};
   /// The excitation is weak at a line where F < strong. In loops of three masses, excited more and
-  /// more weakly, 95 % intervals of such modes hold 90 to 93 % (WeakExcitationLong), and most modes
-  /// that the plant does not have stand there. The rule of Staiger and Stock, 10, is about a bias
-  /// that shows when intervals are much narrower.
+  /// more weakly, 95 % intervals of such modes hold 90 to 93 % (WeakExcitationLong). The rule of
+  /// Staiger and Stock, 10, is about a bias that shows when intervals are much narrower.
   double strong{5.0};
 };
 

@@ -1,16 +1,24 @@
 # shellcheck shell=bash
-# Sourced: a bare Debian in $folder, and commands in it. Needs root and debootstrap.
+# Sourced with the arguments of a script, SUITE FOLDER and more: a bare Debian in $folder, and commands in
+# it. The comment at the top of the script is its usage; $fewest: so many arguments it needs. Takes the first
+# two away. Needs root and debootstrap.
 
-: "${folder:?the folder of the root}"
+if (($# < ${fewest:?so many arguments})); then
+  sed -n '2,/^$/{/^set /!s/^# \?//p}' "$0" >&2
+  exit 2
+fi
+suite=$1
+folder=$(realpath -m -- "$2")
+shift 2
 trust=()
 
 step() { printf '\n--- %s\n' "$*"; }
 
-# make_root SUITE : unless one is there. MIRROR may name another mirror.
+# Unless one is there. MIRROR may name another mirror.
 make_root() {
   [[ -d $folder/usr ]] && return
-  step "debootstrap --variant=minbase $1"
-  debootstrap --variant=minbase "$1" "$folder" "${MIRROR:-http://deb.debian.org/debian}"
+  step "debootstrap --variant=minbase $suite"
+  debootstrap --variant=minbase "$suite" "$folder" "${MIRROR:-http://deb.debian.org/debian}"
 }
 
 # What a machine on the same network has anyway: names, and trust in the network's own authority, if

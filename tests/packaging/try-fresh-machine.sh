@@ -7,18 +7,12 @@
 # Needs root, debootstrap and git. MIRROR (default http://deb.debian.org/debian) may name another one.
 set -euo pipefail
 
-if (($# < 2)); then
-  sed -n '2,7s/^# \?//p' "$0" >&2
-  exit 2
-fi
-suite=$1
-folder=$(realpath -m -- "$2")
-shift 2
-commands=("$@")
-inside=/root/hydrapod
+fewest=2
 here=$(dirname -- "$(readlink -f -- "$0")")
 # shellcheck source=tests/packaging/bare_root.sh
 source "$here/bare_root.sh"
+commands=("$@")
+inside=/root/hydrapod
 repository=$(git -C "$here" rev-parse --show-toplevel)
 
 clone() {
@@ -41,7 +35,7 @@ try_without_rights() {
   ((status == 3))
 }
 
-make_root "$suite"
+make_root
 share_network_settings
 clone
 if [[ ! -x $folder/usr/bin/cmake ]]; then try_without_rights; fi

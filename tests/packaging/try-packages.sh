@@ -6,19 +6,13 @@
 # Needs root and debootstrap. MIRROR (default http://deb.debian.org/debian) may name another mirror.
 set -euo pipefail
 
-if (($# < 3)); then
-  sed -n '2,6s/^# \?//p' "$0" >&2
-  exit 2
-fi
-suite=$1
-folder=$(realpath -m -- "$2")
-shift 2
-packages=("$@")
+fewest=3
 here=$(dirname -- "$(readlink -f -- "$0")")
 # shellcheck source=tests/packaging/bare_root.sh
 source "$here/bare_root.sh"
+packages=("$@")
 
-make_root "$suite"
+make_root
 share_network_settings
 rm -rf "${folder:?}/packages" "$folder/work"
 mkdir "$folder/packages" "$folder/work"
@@ -38,5 +32,5 @@ run /work python3 -c "
 import hydrapod
 print(hydrapod.modes(hydrapod.read_machine('$models/zhang-jiang-2021.toml')).frequency_hz)"
 in_root ls -l /work
-# what was installed is all that is needed, and is gone without a trace
+# and the program is gone with its package
 run /work bash -c 'apt-get remove --yes hydrapod python3-hydrapod && ! command -v hydrapod'

@@ -138,7 +138,7 @@ struct Cause {
   std::vector<model::Assignment> changes{};  ///< what the model needs before it can have this fault
 
   [[nodiscard]] Family family() const;
-  [[nodiscard]] bool needs_rings() const { return kind == Kind::piston_rings; }  ///< 30 freedoms
+  [[nodiscard]] bool needs_rings() const { return kind == Kind::piston_rings; }  ///< of 30 DOF
   /// Tried in pairs. Off for those that another one stands for, which changes the same springs.
   [[nodiscard]] bool in_pairs() const;
 };
