@@ -42,10 +42,14 @@ void fill_chambers(const model::Machine& machine, LinearModel& model) {
     const double force = 0.0 - model.statics.legs[i].oil_force;
     const auto rest = rest_of(axis, supply, i, element.l_m, force);
     const auto chambers = hydraulics::small_chambers(axis, supply, rest, element.l_m);
-    const auto spring = hydraulics::relaxing_spring(
-        chambers, leg.gimbal_stiffness ? 1.0 / *leg.gimbal_stiffness : 0.0);
+    // Seals that stick are beside the oil, and gimbals in series with both: of c = 1/k_j and D =
+    // 1 + c k_b (Z + k_b)/(1 + c (Z + k_b)) = k_b/D + Z/(1 + Z c/D)/D².
+    const double compliance = leg.gimbal_stiffness ? 1.0 / *leg.gimbal_stiffness : 0.0;
+    const double beside = 1.0 + compliance * leg.stick_stiffness;
+    auto spring = hydraulics::relaxing_spring(chambers, compliance / beside);
+    for (double& k : spring.stiffness) k /= beside * beside;
     const Matrix7 along = element.s_x * element.s_x.transpose();
-    const double stiffness = spring.closed() + leg.stick_stiffness;
+    const double stiffness = spring.closed() + leg.stick_stiffness / beside;
     element.K += (stiffness - element.k_h) * along;
     element.k_h = stiffness;
     element.C += axis.friction.viscous * along;

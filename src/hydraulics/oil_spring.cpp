@@ -115,10 +115,10 @@ AxialSpring axial_spring(const model::Leg& leg, double l_m) {
   const double damping = leg.strut   ? leg.strut->damping
                          : leg.screw ? leg.screw->damping
                                      : leg.oil_spring.damping;
-  const double k_b = leg.stick_stiffness;
-  if (!leg.gimbal_stiffness) return {k_h + k_b, damping};
-  const double share = *leg.gimbal_stiffness / (k_h + *leg.gimbal_stiffness);
-  return {k_h * share + k_b, damping * share * share};
+  const double between = k_h + leg.stick_stiffness;  // of case and rod
+  if (!leg.gimbal_stiffness) return {between, damping};
+  const double share = *leg.gimbal_stiffness / (between + *leg.gimbal_stiffness);
+  return {between * share, damping * share * share};
 }
 
 }  // namespace hydrapod::hydraulics

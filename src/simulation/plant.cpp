@@ -131,8 +131,7 @@ void Plant::set_springs(const Pose& X_reference) {
     const double s = motion.legs[i].s;
     const auto axial = hydraulics::axial_spring(machine_.legs[i], s);
     springs_[i] = {statics.legs[i].oil_force, axial.stiffness,
-                   axial.damping + machine_.damping.rayleigh_stiffness * axial.stiffness, s,
-                   machine_.legs[i].stick_stiffness};
+                   axial.damping + machine_.damping.rayleigh_stiffness * axial.stiffness, s};
   }
 }
 
@@ -142,9 +141,8 @@ double Plant::spring_side(int i, const LegMotion& motion, const PlantInput& inpu
   const auto& gimbals = gimbals_[i];
   out.oil_force = options_.oil_springs ? -spring.force - spring.stiffness * (motion.s - spring.s)
                                        : input.axial[i];
-  const double through_gimbals = out.oil_force + spring.stick * (motion.s - spring.s);
-  out.piston = motion.s + gimbals.compliance * (through_gimbals - gimbals.force);
-  out.piston_rate = motion.s_rate * (1.0 - gimbals.compliance * (spring.stiffness - spring.stick));
+  out.piston = motion.s + gimbals.compliance * (out.oil_force - gimbals.force);
+  out.piston_rate = motion.s_rate * (1.0 - gimbals.compliance * spring.stiffness);
   out.friction_force = -spring.damping * motion.s_rate;
   out.stop_force = hydraulics::stop_force(axes_[i].stops, motion.s, motion.s_rate);
   return out.oil_force + out.friction_force + out.stop_force;

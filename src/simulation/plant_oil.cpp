@@ -83,6 +83,8 @@ OilRates Plant::oil_rates(const OilState& state) const {
   out.external_leakage = cap_out + rod_out;
   out.oil_force = axis.force(state.p_cap, state.p_rod);
   out.piston = state.s + compliance * (out.oil_force - rest_force);
+  const Lanes beside = 1.0 + compliance * stick_stiffness;
+  if (sticks) out.piston = (out.piston + compliance * stick_stiffness * stick_s) / beside;
   const auto volume = axis.volumes(out.piston);
   const Lanes cap_in = out.cap_inflow - out.internal_leakage - cap_out;
   const Lanes rod_in = out.rod_inflow + out.internal_leakage - rod_out;
@@ -95,7 +97,7 @@ OilRates Plant::oil_rates(const OilState& state) const {
     const Lanes &A_p = axis.area.piston, &A_r = axis.area.annulus;
     const Lanes by_flows = A_p * cap_in / cap_give - A_r * rod_in / rod_give;
     const Lanes stiffness = A_p * A_p / cap_give + A_r * A_r / rod_give;
-    out.piston_rate = (state.s_rate + compliance * by_flows) / (1.0 + compliance * stiffness);
+    out.piston_rate = (state.s_rate + compliance * by_flows) / (beside + compliance * stiffness);
   }
   out.p_cap = (cap_in - axis.area.piston * out.piston_rate) / cap_give;
   out.p_rod = (rod_in + axis.area.annulus * out.piston_rate) / rod_give;
@@ -109,7 +111,7 @@ OilRates Plant::oil_rates(const OilState& state) const {
     out.friction_force = numerics::where_less(0.0, have, -bent.force, out.friction_force);
     out.bristle = numerics::where_less(0.0, have, bent.rate, 0.0);
   }
-  if (sticks) out.friction_force -= stick_stiffness * (state.s - stick_s);
+  if (sticks) out.friction_force -= stick_stiffness * (out.piston - stick_s);
   out.stop_force = hydraulics::stop_force(axis.stops, state.s, state.s_rate);
   out.cap_flow = flows.cap;
   out.rod_flow = flows.rod;

@@ -350,8 +350,9 @@ TEST(GimbalStiffness, IsInSeriesWithTheOil) {
   EXPECT_NEAR(spring.damping, series.imag() / w, 1e-9 * spring.damping);
 }
 
-/// Beside oil and gimbals, on which it does not depend, and without a damper of its own.
-TEST(StickStiffness, IsParallelToOilAndGimbals) {
+/// Seals act between rod and case, as the oil does: gimbals are in series with both, and with seals
+/// that hold the rod they alone are left.
+TEST(StickStiffness, IsBesideTheOilAndBehindTheGimbals) {
   auto machine = machine_of(19, true);
   auto stiffer = machine;
   const double k_h = *machine.legs[0].oil_spring.stiffness, k_j = 2.7 * k_h, k_b = 0.31 * k_h;
@@ -359,14 +360,20 @@ TEST(StickStiffness, IsParallelToOilAndGimbals) {
     leg.gimbal_stiffness = k_j;
     leg.stick_stiffness = k_b;
   }
-  for (auto& leg : stiffer.legs) leg.oil_spring.stiffness = 1.0 / (1.0 / k_h + 1.0 / k_j) + k_b;
+  for (auto& leg : stiffer.legs) leg.oil_spring.stiffness = 1.0 / (1.0 / (k_h + k_b) + 1.0 / k_j);
   for (const auto kind : all_kinds)
     EXPECT_LT((frequencies(machine, kind) - frequencies(stiffer, kind)).cwiseAbs().maxCoeff(),
               1e-9);
-  auto sliding = machine.legs[0];
-  sliding.stick_stiffness = 0.0;
-  EXPECT_EQ(hydraulics::axial_spring(machine.legs[0], 0.4).damping,
-            hydraulics::axial_spring(sliding, 0.4).damping);
+  auto& leg = machine.legs[0];
+  leg.oil_spring.damping = 7.3e3;
+  const double w = 1e-3;  // [rad/s]: the damper is weak beside the springs
+  const std::complex<double> between(k_h + k_b, w * leg.oil_spring.damping),
+      series = between * k_j / (between + k_j);
+  const auto spring = hydraulics::axial_spring(leg, 0.4);
+  EXPECT_NEAR(spring.stiffness, series.real(), 1e-9 * spring.stiffness);
+  EXPECT_NEAR(spring.damping, series.imag() / w, 1e-9 * spring.damping);
+  leg.stick_stiffness = 1e9 * k_h;
+  EXPECT_NEAR(hydraulics::axial_spring(leg, 0.4).stiffness, k_j, 1e-8 * k_j);
 }
 
 }  // namespace

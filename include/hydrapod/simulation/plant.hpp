@@ -289,7 +289,6 @@ class Plant {
  private:
   struct OilSpring {
     double force{}, stiffness{}, damping{}, s{};
-    double stick{};  ///< share of `stiffness` that is of seals that stick
   };
   /// Joints whose bristles only stick: directions at the reference pose.
   struct StuckJoints {
