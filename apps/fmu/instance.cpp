@@ -39,7 +39,7 @@ Instance::Instance(const std::string& resource_folder, const std::string& token)
 }
 
 void Instance::reset() {
-  state_ = {.tolerance = default_tolerance};
+  state_ = {.token = base_.token, .tolerance = default_tolerance};
   for (const auto& one : interface_.variables) {
     if (one.role == FmuRole::parameter) state_.parameters.push_back(*one.start);
     if (one.role == FmuRole::input) state_.inputs.push_back(*one.start);
@@ -278,9 +278,7 @@ SavedState Instance::save(std::int64_t mode) const {
 }
 
 void Instance::restore(const SavedState& saved) {
-  if (saved.parameters.size() != state_.parameters.size() || saved.x.size() != state_.x.size() ||
-      saved.inputs.size() != state_.inputs.size())
-    throw Misuse("the state is of another FMU");
+  if (saved.token != state_.token) throw Misuse("the state is of another FMU");
   if (saved.ready) {
     if (!saved.loop.empty() && (!loop_ || tuned_with_ != saved.at_rest)) {
       const auto at_rest = plant_with(saved.at_rest);

@@ -37,6 +37,7 @@ class Refusal : public std::runtime_error {
 
 /// What is saved and restored, bit by bit.
 struct SavedState {
+  std::string token{};  ///< of the FMU, at most 39 bytes
   std::int64_t mode{};  ///< of the call sequence
   double time{}, start{}, stop{}, tolerance{};
   bool has_stop{}, ready{};
@@ -46,7 +47,7 @@ struct SavedState {
 
   [[nodiscard]] std::size_t bytes() const;
   void write(char* to) const;
-  /// Throws Misuse for bytes that are no state with these numbers of values.
+  /// Throws Misuse for bytes that are no state of the FMU that `like` is of, or not finite.
   static SavedState read(const char* from, std::size_t size, const SavedState& like);
 };
 

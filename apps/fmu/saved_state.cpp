@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
 
 #include "instance.hpp"
@@ -7,11 +9,12 @@ namespace hydrapod::fmu {
 
 namespace {
 
-constexpr std::array<char, 8> mark{'h', 'y', 'd', 'r', 'f', 'm', 'u', '2'};
+constexpr std::array<char, 8> mark{'h', 'y', 'd', 'r', 'f', 'm', 'u', '3'};
 
 /// The numbers of a state that have a fixed place.
 struct Head {
   std::array<char, 8> begin;
+  std::array<char, 40> token;  // ends with zeros
   std::int64_t mode, flags, parameters, inputs, states, loop;
   double time, start, stop, tolerance;
 };
@@ -20,6 +23,16 @@ struct Head {
 template <class State>
 auto lists(State& state) {
   return std::array{&state.parameters, &state.at_rest, &state.inputs, &state.x, &state.loop};
+}
+
+std::array<char, 40> padded(const std::string& token) {
+  std::array<char, 40> text{};
+  std::copy_n(token.begin(), std::min(token.size(), text.size() - 1), text.begin());
+  return text;
+}
+
+bool finite(const std::vector<double>& values) {
+  return std::ranges::all_of(values, [](double value) { return std::isfinite(value); });
 }
 
 }  // namespace
@@ -33,6 +46,7 @@ std::size_t SavedState::bytes() const {
 void SavedState::write(char* to) const {
   const auto size = [](const auto& list) { return static_cast<std::int64_t>(list.size()); };
   const Head head{mark,
+                  padded(token),
                   mode,
                   (has_stop ? 1 : 0) + (ready ? 2 : 0),
                   size(parameters),
@@ -53,7 +67,8 @@ void SavedState::write(char* to) const {
 
 SavedState SavedState::read(const char* from, std::size_t size, const SavedState& like) {
   Head head{};
-  SavedState state{.parameters = like.parameters,
+  SavedState state{.token = like.token,
+                   .parameters = like.parameters,
                    .at_rest = like.at_rest,
                    .inputs = like.inputs,
                    .x = like.x,
@@ -68,6 +83,10 @@ SavedState SavedState::read(const char* from, std::size_t size, const SavedState
   };
   const bool whole = head.loop >= 0 && (size - least) % sizeof(double) == 0 &&
                      (size - least) / sizeof(double) == static_cast<std::size_t>(head.loop);
+  if (head.begin == mark && head.token != padded(like.token))
+    throw Misuse("this serialized state is of another FMU: its token is " +
+                 std::string(head.token.data(), strnlen(head.token.data(), head.token.size())) +
+                 ", that of this one " + like.token);
   if (head.begin != mark || head.flags < 0 || head.flags > 3 ||
       !same(head.parameters, state.parameters) || !same(head.inputs, state.inputs) ||
       !same(head.states, state.x) || !whole ||
@@ -79,6 +98,8 @@ SavedState SavedState::read(const char* from, std::size_t size, const SavedState
     std::memcpy(list->data(), from, list->size() * sizeof(double));
     from += list->size() * sizeof(double);
   }
+  if (!finite(state.x) || !finite(state.inputs) || !std::isfinite(head.time))
+    throw Misuse("this serialized state has numbers that are not finite");
   state.mode = head.mode;
   state.has_stop = (head.flags & 1) != 0;
   state.ready = (head.flags & 2) != 0;

@@ -6,6 +6,7 @@
 #include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
 
 #include <cmath>
+#include <cstring>
 
 #include "exchange/fmu_driver.hpp"
 #include "hydrapod/simulation/closed_loop.hpp"
@@ -176,8 +177,15 @@ inline void expect_saved_states_continue(const Subject& subject) {
   ASSERT_EQ(ok, other.release(&copy));
   EXPECT_EQ(nullptr, state);
 
-  bytes[0] = 'x';
-  EXPECT_EQ(error, other.state_from(bytes, &copy));
+  const auto refused = [&](std::size_t at, const auto& value) {
+    auto changed = bytes;
+    std::memcpy(changed.data() + at, &value, sizeof value);
+    return other.state_from(changed, &copy) == error;
+  };
+  EXPECT_TRUE(refused(0, 'x'));
+  EXPECT_TRUE(refused(9, bytes[9] == '7' ? '8' : '7')) << "the token of another FMU";
+  const std::size_t last = bytes.size() - sizeof(double);
+  EXPECT_TRUE(refused(last, std::nan(""))) << "a state that is no number";
 }
 
 /// Co-simulation with noise, against the plant under CVODE.
