@@ -19,7 +19,7 @@ namespace {
 /// What a command did, as the record has it.
 struct Sent {
   std::uint64_t number{};
-  Vector6 displacement{Vector6::Zero()};
+  Vector6 displacement{Vector6::Zero()}, drive{Vector6::Zero()};
   Vector6 excitation{Vector6::Zero()};
 };
 
@@ -48,7 +48,7 @@ class Source {
       command.displacement = sent.displacement = sent.excitation;
       command.rate = w * now.rate + w_rate * now.value;
     } else {
-      command.drive = shares_ * sent.excitation;
+      command.drive = sent.drive = shares_ * sent.excitation;
     }
     return command;
   }
@@ -229,14 +229,15 @@ class Session {
     ++written_;
   }
 
-  /// From the last command to the pose, whether or not sensors come.
+  /// From the last command to the pose and to no drive, whether or not sensors come.
   void ramp_down() {
-    const Vector6 from = last_.displacement;
+    const Vector6 &from = last_.displacement, &drive = last_.drive;
     const long steps = std::max(1L, std::lround(hardware_.ramp_down / T_));
     for (long k = 1; k <= steps; ++k) {
       const Share share = smooth_share(static_cast<double>(k) / static_cast<double>(steps));
       client_.send({.displacement = (1.0 - share.value) * from,
-                    .rate = -share.rate / hardware_.ramp_down * from});
+                    .rate = -share.rate / hardware_.ramp_down * from,
+                    .drive = (1.0 - share.value) * drive});
       client_.receive(T_);
     }
   }

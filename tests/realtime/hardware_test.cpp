@@ -195,6 +195,34 @@ TEST_F(Hardware, IsRampedDownWhenAskedToStop) {
   EXPECT_NEAR(served.result().run.time, 0.7 + 0.2 + 1.0, 0.01);
 }
 
+/// A slow sine at the drives is stopped near its top, and no drive of the machine jumps.
+TEST_F(Hardware, ItsDrivesAreRampedDownToo) {
+  options.entry = rig::Entry::drive;
+  options.signals[0].form = signals::Sine{.frequency = 1.3};
+  options.signals[0].size.setConstant(0.03);
+  const std::string served_file = folder / "served.h5";
+  std::unique_ptr<data::RecordWriter> writer;
+  {
+    Served served(server(), fixed_steps(), [&]() -> data::RecordWriter& {
+      simulation::ClosedLoop loop(machine, machine.neutral(), fixed_steps());
+      data::RecordHeader header{.channels = simulation::record_channels(loop), .sample_rate = 1e3};
+      for (const auto& more : serve_channels(loop, server())) header.channels.push_back(more);
+      return *(writer = data::open_record_writer(served_file, header));
+    });
+    const auto result = run(served, [](double time) { return time < 0.95; });
+    EXPECT_TRUE(result.ramped_down);
+    EXPECT_EQ(served.result().state, State::parked);
+  }
+  writer->close();
+  const auto served = data::read_record(served_file).record;
+  const auto column = data::find_channel(served.header, "leg1.drive");
+  ASSERT_TRUE(column.has_value());
+  const auto drive = served.samples.col(static_cast<Eigen::Index>(*column));
+  EXPECT_GT(drive.head(900).cwiseAbs().maxCoeff(), 0.01);
+  const Eigen::Index n = drive.size();
+  EXPECT_LT((drive.tail(n - 901) - drive.segment(900, n - 901)).cwiseAbs().maxCoeff(), 1.5e-3);
+}
+
 TEST_F(Hardware, ThatFallsSilentEndsTheRun) {
   hardware.watchdog = 0.08;
   Served served(server());
