@@ -312,6 +312,14 @@ tasks::StudyOptions options_of(Arguments& arguments, study::Design design, const
   return options;
 }
 
+/// Before work that people wait for.
+void say_effort(const tasks::StudyJob& job, const tasks::StudyRunOptions& options) {
+  constexpr double noticed = 10.0;  // [s]
+  if (options.join || (options.team != nullptr && options.team->rank() > 0)) return;
+  const auto effort = tasks::study_effort(job, options);
+  if (effort.seconds > noticed) print_note(effort.text);
+}
+
 void run_with(Arguments arguments, study::Design design, const char* kind) {
   const auto team = arguments.no_mpi ? nullptr : team_of_ranks();
   std::size_t format = 0;
@@ -339,10 +347,12 @@ void run_with(Arguments arguments, study::Design design, const char* kind) {
   });
   StudyRows rows(job, arguments.csv, arguments.plot.empty() ? "" : arguments.value,
                  comments_of(job, running.command));
+  say_effort(job, running);
   if (rows.are_wanted()) running.take = [&](std::span<const double> some) { rows.take(some); };
-  const auto done = with_progress("samples", [&](const numerics::Progress& progress) {
-    return tasks::run_study(job, running, progress);
-  });
+  const auto done = with_progress(
+      "samples",
+      [&](const numerics::Progress& progress) { return tasks::run_study(job, running, progress); },
+      static_cast<double>(job.rows));
   if (team && team->rank() > 0) return;
   report_study(arguments, job, done, rows, format, kind, team ? team->size() : 1);
   const auto& run = done.run;

@@ -359,8 +359,10 @@ std::string hertz(double omega, int decimals) {
   return fmt::format("{:.{}f}", omega / base::two_pi, decimals);
 }
 
-ProgressLine::ProgressLine(std::string title)
-    : title_(std::move(title)), active_(as_lines() || (!quiet && is_terminal(stderr))) {}
+ProgressLine::ProgressLine(std::string title, double items)
+    : title_(std::move(title)),
+      items_(items),
+      active_(as_lines() || (!quiet && is_terminal(stderr))) {}
 
 ProgressLine::~ProgressLine() {
   if (shown_ && !as_lines()) std::fputs("\r\033[K", stderr);
@@ -371,12 +373,15 @@ void ProgressLine::update(double fraction) {
   const auto now = std::chrono::steady_clock::now();
   if (shown_ && now - last_ < std::chrono::milliseconds(100)) return;
   last_ = now;
+  if (!shown_) first_ = fraction;
   shown_ = true;
   if (as_lines()) return print_line(fmt::format("progress {:.4f}", fraction));
   const double spent = std::chrono::duration<double>(now - begun_).count();
   std::string left;
-  if (spent > 2.0 && fraction > 0.0)
-    left = fmt::format(", {:.0f} s left", spent * (1.0 - fraction) / fraction);
+  if (const double done = fraction - first_; spent > 2.0 && done > 0.0) {
+    if (items_ > 0.0) left = fmt::format(", {:.4g} per second", items_ * done / spent);
+    left += fmt::format(", {:.0f} s left", spent * (1.0 - fraction) / done);
+  }
   const std::string line = fmt::format("\r{} {:3.0f} %{}\033[K", title_, 100.0 * fraction, left);
   std::fputs(line.c_str(), stderr);
   std::fflush(stderr);

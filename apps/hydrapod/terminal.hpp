@@ -124,10 +124,11 @@ class Table {
 std::string hertz(double omega, int decimals = 3);
 
 /// A line on stderr that is rewritten in place, at most ten times a second, and gone at the end;
-/// after two seconds it says how many are left at this speed. Silent when stderr is not a terminal.
+/// after two seconds it says how many are left at this speed, and of a work of so many `items` how
+/// many are done in a second. Silent when stderr is not a terminal.
 class ProgressLine {
  public:
-  explicit ProgressLine(std::string title);
+  explicit ProgressLine(std::string title, double items = 0.0);
   ProgressLine(const ProgressLine&) = delete;
   ProgressLine& operator=(const ProgressLine&) = delete;
   ~ProgressLine();
@@ -137,6 +138,7 @@ class ProgressLine {
 
  private:
   std::string title_;
+  double items_, first_{};  // share that was done when it began
   bool shown_{};
   bool active_{};
   std::chrono::steady_clock::time_point begun_{std::chrono::steady_clock::now()};
@@ -165,9 +167,9 @@ class InterruptNote {
 
 /// What `task` makes, with a progress line titled `title`. Ctrl-C asks the task to stop.
 template <class Task>
-auto with_progress(const char* title, const Task& task) {
+auto with_progress(const char* title, const Task& task, double items = 0.0) {
   const InterruptNote interrupt;
-  ProgressLine line(title);
+  ProgressLine line(title, items);
   return task(numerics::Progress([&](double share) {
     line.update(share);
     return InterruptNote::noted();

@@ -71,6 +71,26 @@ std::vector<Input> read_variation(const model::MachineFile& file, const std::str
   return six;
 }
 
+namespace {
+
+/// Throws where all machines or none meet a bound by what the output is.
+void require_in_reach(const Column& output, bool at_least, double bound, const std::string& place) {
+  const bool share = output.name == "mac" || output.name.starts_with("share");
+  if (output.unit == "Hz" && !(bound > 0.0))
+    base::refuse(place, fmt::format("{} machine meets that; a frequency is more than 0",
+                                    at_least ? "every" : "no"));
+  if (at_least && output.name.starts_with("drop") && bound > 1.0)
+    base::refuse(place, "no machine meets that; a drop is at most 100 %");
+  if (at_least && share && bound > 1.0)
+    base::refuse(place, "no machine meets that; it is at most 1");
+  if (!at_least && share && bound < 0.0)
+    base::refuse(place, "no machine meets that; it is at least 0");
+  if (!at_least && output.name == "condition" && bound < 1.0)
+    base::refuse(place, "no machine meets that; a condition is at least 1");
+}
+
+}  // namespace
+
 Requirement read_requirement(const std::string& text, const std::vector<Column>& outputs,
                              const std::string& place) {
   const auto at = text.find_first_of("<>");
@@ -91,12 +111,7 @@ Requirement read_requirement(const std::string& text, const std::vector<Column>&
   const auto read = base::read_plain_or_quantity(bound, found->unit);
   if (!read.ok())
     base::refuse(place, fmt::format("'{}': {}", base::printable(bound), read.problem));
-  if (found->unit == "Hz" && text[at] == '>' && !(read.value > 0.0))
-    base::refuse(place, "every machine meets that; a frequency is more than 0");
-  if (found->unit == "Hz" && text[at] == '<' && !(read.value > 0.0))
-    base::refuse(place, "no machine meets that; a frequency is more than 0");
-  if (name.starts_with("drop") && text[at] == '>' && read.value > 1.0)
-    base::refuse(place, "no machine meets that; a drop is at most 100 %");
+  require_in_reach(*found, text[at] == '>', read.value, place);
   return {text, static_cast<int>(found - outputs.begin()), text[at] == '>', read.value};
 }
 

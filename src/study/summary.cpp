@@ -90,11 +90,10 @@ struct FirstPass {
     const auto& wanted = requirements[k];
     auto& result = summary.requirements[k];
     const double value = outputs[static_cast<std::size_t>(wanted.output)];
-    double margin = wanted.at_least ? value - wanted.bound : wanted.bound - value;
-    if (std::isnan(margin)) margin = -std::numeric_limits<double>::infinity();
+    const double margin = wanted.at_least ? value - wanted.bound : wanted.bound - value;
     ++result.count;
-    if (margin < 0.0) ++result.missed;
-    if (result.worst && margin >= margins[k]) return;
+    if (!(margin >= 0.0)) ++result.missed;
+    if (std::isnan(margin) || (result.worst && margin >= margins[k])) return;
     margins[k] = margin;
     result.worst = row;
   }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <exception>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -226,20 +227,12 @@ void require_room(const StudyJob& job, const StudyRunOptions& options) {
   std::error_code unknown;
   const auto folder = fs::absolute(options.output).parent_path();
   const auto space = fs::space(folder, unknown);
-  const double part = job.bytes / options.shards;
-  // rows, then columns
-  const double needed = 2.0 * part - std::min(part, bytes_there(options));
-  if (unknown || needed < static_cast<double>(space.available)) return;
-  const int ranks = options.team != nullptr ? options.team->size() : 1;
-  const int threads = options.threads > 0 ? options.threads * ranks
-                      : ranks > 1         ? ranks
-                                          : numerics::processor_count();
-  throw base::ComputationError(fmt::format(
-      "{:.4g} rows need {:.3g} GB and about {} on {} threads; {} has {:.3g} GB left. Take fewer "
-      "samples, or --shard i/n with one part on each of many machines",
-      static_cast<double>(job.rows), needed / 1e9,
-      duration_text(static_cast<double>(job.rows) * job.seconds_per_row / threads / options.shards),
-      threads, folder.string(), static_cast<double>(space.available) / 1e9));
+  const auto effort = study_effort(job, options);
+  if (unknown || effort.bytes < static_cast<double>(space.available)) return;
+  throw base::ComputationError(
+      fmt::format("{}; {} has {:.3g} GB left. Take fewer samples, or --shard i/n with one part on "
+                  "each of many machines",
+                  effort.text, folder.string(), static_cast<double>(space.available) / 1e9));
 }
 
 std::string dependences_of(const StudyJob& job) {
@@ -399,6 +392,23 @@ study::RunResult compute(const StudyJob& job, const StudyRunOptions& options,
 
 }  // namespace
 
+StudyEffort study_effort(const StudyJob& job, const StudyRunOptions& options) {
+  const double part = job.bytes / options.shards;
+  const int ranks = options.team != nullptr ? options.team->size() : 1;
+  const int threads = options.threads > 0 ? options.threads * ranks
+                      : ranks > 1         ? ranks
+                                          : numerics::processor_count();
+  // rows, then columns
+  StudyEffort effort{
+      .bytes = 2.0 * part - std::min(part, bytes_there(options)),
+      .seconds = static_cast<double>(job.rows) * job.seconds_per_row / threads / options.shards,
+      .threads = threads};
+  effort.text = fmt::format("{:.4g} rows need {:.3g} GB and about {} on {} threads",
+                            static_cast<double>(job.rows) / options.shards, effort.bytes / 1e9,
+                            duration_text(effort.seconds), threads);
+  return effort;
+}
+
 void check_run(const StudyJob& job, const StudyRunOptions& options) {
   check_team(job, options);
   check_results(job, options);
@@ -438,14 +448,21 @@ StudyDone run_study(const StudyJob& job, const StudyRunOptions& options, const P
                       spool.rows(), job.rows));
   }
   if (spool.rows() == 0) return done;
-  if (options.take)
-    spool.each_chunk([&](std::uint64_t, std::span<const double> rows) { options.take(rows); });
   write_results(job, spool, options, done.complete);
+  std::exception_ptr not_taken;  // said when the results are there and the rows are not left over
+  try {
+    if (options.take)
+      spool.each_chunk([&](std::uint64_t, std::span<const double> rows) { options.take(rows); });
+  } catch (...) {
+    not_taken = std::current_exception();
+  }
   done.summary = study::summarise(spool, job.problem, job.plan, job.requirements,
                                   {.threads = options.threads});
-  if (!done.complete || options.join) return done;
-  for (const auto& file : files) fs::remove(file);
-  done.rows_file.clear();
+  if (done.complete && !options.join) {
+    for (const auto& file : files) fs::remove(file);
+    done.rows_file.clear();
+  }
+  if (not_taken) std::rethrow_exception(not_taken);
   return done;
 }
 

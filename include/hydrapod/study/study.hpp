@@ -259,7 +259,7 @@ struct RequirementSummary {
   std::uint64_t count{}, missed{};  ///< samples without a value miss it
   double probability{};
   std::optional<Interval> interval{};    ///< Clopper–Pearson, 95 %
-  std::optional<std::uint64_t> worst{};  ///< row farthest on the wrong side, or nearest to it
+  std::optional<std::uint64_t> worst{};  ///< row with a value, farthest on the wrong side
 };
 
 struct Index {

@@ -74,6 +74,15 @@ struct StudyDone {
   std::optional<study::Summary> summary{};
 };
 
+/// What a run of a study, or of its shard, takes.
+struct StudyEffort {
+  double bytes{};  ///< on the disk, at most
+  double seconds{};
+  int threads{};
+  std::string text{};  ///< "1e+07 rows need 7.1 GB and about 43 s on 2 threads"
+};
+StudyEffort study_effort(const StudyJob& job, const StudyRunOptions& options);
+
 /// Throws base::ComputationError where the disk has no room for the rows; the message says how long
 /// the study would take. base::InputError where a team has more ranks than there is work, and for
 /// results that may not be replaced.
