@@ -36,7 +36,8 @@
 /// is known, cov(e) is taken from the residual.
 ///
 /// Sources: P. Guillaume, P. Verboven, S. Vanlanduit, ISMA 23 (1998) 359 (maximum likelihood); M.
-/// El-Kafafy, P. Guillaume, B. Peeters, Mech. Syst. Signal Process. 37 (2013) 1 (modal model).
+/// El-Kafafy, T. De Troyer, B. Peeters, P. Guillaume, Mech. Syst. Signal Process. 37 (2013) 422
+/// (modal model).
 ///
 /// How much frequencies and damping scatter when the averages are drawn anew: a check of the
 /// intervals that needs none of their theory. The blocks of a record are kept in G groups of
