@@ -38,12 +38,6 @@ double softened(const std::optional<model::Elastomer>& elastomer, double amplitu
   return elastomer ? dynamics::softened(*elastomer, amplitude) : 1.0;
 }
 
-/// Of seal and guide ring at rest. `seal`: k of the seal.
-Eigen::Matrix2cd at_rest(const dynamics::LegElement& leg, Complex seal) {
-  return (seal + leg.k_contact) * Eigen::Matrix2d::Identity() +
-         leg.contact_root * leg.contact_root.transpose();
-}
-
 bool softens(const std::optional<model::Elastomer>& elastomer) {
   return elastomer && elastomer->softening > 0.0;
 }
@@ -98,36 +92,6 @@ Swinging::Swinging(const model::Machine& machine, const spatial::Pose& X_BP,
       C_(modes_.shapes.transpose() * linear_.C * modes_.shapes) {
   for (auto& arm : arms_) arm.s_y = modes_.shapes.transpose() * arm.s_y;
   for (int i = 0; i < model::leg_count; ++i) add_leg(machine, i);
-  add_slow();
-}
-
-/// What is left of the stiffness at a sleeve without seal and guide ring; `compliance`: of the
-/// whole machine there.
-Eigen::Matrix2d Swinging::without_sleeve(std::size_t leg, const Eigen::Matrix2d& compliance) const {
-  const double bending = linear_.legs[leg].bending, k_s = machine_.legs[leg].guide_sleeve.stiffness;
-  const Eigen::Matrix2d rest =
-      compliance.inverse() - in_series(at_rest(linear_.legs[leg], k_s), bending).real();
-  return in_series(rest.cast<Complex>(), bending).real();
-}
-
-/// Of slow motions: elastomers relax, and a controller holds the pistons, so that oil does not.
-void Swinging::add_slow() {
-  if (linear_.kind == ModelKind::rigid) return;
-  ModelMatrix K = modes_.omega2.asDiagonal();
-  for (const auto& arm : arms_)
-    if (arm.what != dynamics::Relaxing::oil)
-      K -= dynamics::softening_at(arm, 0.0) * arm.s_y * arm.s_y.transpose();
-  const Eigen::PartialPivLU<ModelMatrix> factors(K);
-  for (std::size_t k = 0; k < model::leg_count; ++k)
-    if (machine_.legs[k].guide_sleeve.gap)
-      slow_[k] = without_sleeve(k, chords_[k] * factors.solve(chords_[k].transpose()));
-}
-
-/// Springs and dampers in series are springs at twice ω.
-dynamics::AroundSeal Swinging::around_seal(std::size_t leg, double omega) const {
-  const auto& rows = chords_[leg];
-  const ModelVector share = (modes_.omega2.array() - 4.0 * omega * omega).inverse();
-  return {slow_[leg], without_sleeve(leg, rows * share.asDiagonal() * rows.transpose())};
 }
 
 void Swinging::add_leg(const model::Machine& machine, int i) {
@@ -198,10 +162,9 @@ Swinging::Sleeve Swinging::sleeve_at(std::size_t leg, const Vector2& chord, doub
   const auto& sleeve = machine_.legs[leg].guide_sleeve;
   const auto& element = linear_.legs[leg];
   const Complex seal = with_arms(sleeve.stiffness, sleeve_arms_[leg], omega);
-  const auto around = sleeve.gap ? around_seal(leg, omega) : dynamics::AroundSeal{};
   const auto at = [&](double share) -> Sleeve {
     const Vector2 amplitude = share * chord;
-    return {amplitude, dynamics::guide_equivalent(sleeve, element.sleeve_offset, amplitude, around),
+    return {amplitude, dynamics::guide_equivalent(sleeve, element.sleeve_offset, amplitude),
             softened(sleeve.elastomer, amplitude.norm())};
   };
   const double whole = chord.norm();
@@ -225,8 +188,10 @@ Swinging::Stiffness Swinging::of_sleeve(std::size_t leg, const Vector2& chord, d
   const Complex seal =
       with_arms(machine_.legs[leg].guide_sleeve.stiffness, sleeve_arms_[leg], omega);
   const Stiffness one = Stiffness::Identity();
+  const Stiffness before =
+      (seal + element.k_contact) * one + element.contact_root * element.contact_root.transpose();
   const Stiffness now = at.left * seal * one + at.guide.stiffness;
-  return in_series(now, element.bending) - in_series(at_rest(element, seal), element.bending);
+  return in_series(now, element.bending) - in_series(before, element.bending);
 }
 
 Swinging::Stiffness Swinging::stiffness(const Element& element, const Vector2& offset,

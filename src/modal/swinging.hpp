@@ -57,10 +57,6 @@ class Swinging {
   };
 
   void add_leg(const model::Machine& machine, int i);
-  void add_slow();
-  [[nodiscard]] Eigen::Matrix2d without_sleeve(std::size_t leg,
-                                               const Eigen::Matrix2d& compliance) const;
-  [[nodiscard]] dynamics::AroundSeal around_seal(std::size_t leg, double omega) const;
   void add_friction(const model::Machine& machine, int i);
   [[nodiscard]] Sleeve sleeve_at(std::size_t leg, const Vector2& chord, double omega) const;
   [[nodiscard]] Stiffness of_sleeve(std::size_t leg, const Vector2& chord, double omega) const;
@@ -75,10 +71,9 @@ class Swinging {
   ModelMatrix C_{};                            ///< of the linear model, without its arms
   std::vector<Element> elements_{};
   std::array<dynamics::SealArms, model::leg_count> sleeve_arms_{}, ring_arms_{};
-  std::array<Eigen::Matrix2d, model::leg_count> slow_{};  ///< AroundSeal::slow of guide sleeves
-  std::array<Rows2, model::leg_count> chords_{};          ///< of rods at their guide sleeves, per q
-  std::array<ModelVector, model::leg_count> pistons_{};   ///< along the cases
-  std::array<Rows3, model::leg_count> joints_{};          ///< of the platform
+  std::array<Rows2, model::leg_count> chords_{};         ///< of rods at their guide sleeves, per q
+  std::array<ModelVector, model::leg_count> pistons_{};  ///< along the cases
+  std::array<Rows3, model::leg_count> joints_{};         ///< of the platform
 };
 
 /// The mode of K most like q, with those that hardly differ in frequency: any combination of these

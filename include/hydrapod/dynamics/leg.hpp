@@ -148,26 +148,18 @@ using SealArms = std::array<SealArm, arms_per_seal>;
 /// elastomer.frequency. `stiffness`: k of slow motions [N/m].
 SealArms seal_arms(double stiffness, const model::Elastomer& elastomer);
 
-/// The guide ring under a rod that swings, d = d̄ + a cos ωt + b cos 2ωt.
+/// The guide ring under a rod that swings.
 struct GuideEquivalent {
-  /// Beside k_s: symmetric, S a = the part of the ring's force at ω.
+  /// Beside k_s: S = 1/π ∮ (∂f/∂d) sin² θ dθ, symmetric, S a = the part of the force at ω.
   Eigen::Matrix2d stiffness{Eigen::Matrix2d::Zero()};
-  Vector2 mean{Vector2::Zero()};    ///< d̄ [m]
-  Vector2 second{Vector2::Zero()};  ///< b [m]
-  bool touches{};                   ///< somewhere in the period
+  Vector2 mean{Vector2::Zero()};  ///< d̄ about which it swings [m]
+  bool touches{};                 ///< somewhere in the period
 };
 
-/// What all but the seal and its ring resists motions of the rod at the seal with [N/m]: below 0
-/// where loads press rods aside, and where inertia prevails.
-struct AroundSeal {
-  Eigen::Matrix2d slow{Eigen::Matrix2d::Zero()};  ///< of d̄
-  std::optional<Eigen::Matrix2d> twice{};         ///< at 2ω; none: b is held at 0
-};
-
-/// `rest`: static offset, `amplitude`: a, both along t and a2 [m]. At d̄ and b the force of seal and
-/// ring balances that of all else, at 0 and at 2ω.
+/// `rest`: static offset, `amplitude`: a, both along t and a2 [m]. d̄ is where the mean force of
+/// seal and guide ring is that at rest.
 GuideEquivalent guide_equivalent(const model::GuideSleeve& sleeve, const Vector2& rest,
-                                 const Vector2& amplitude, const AroundSeal& around = {});
+                                 const Vector2& amplitude);
 
 /// What amplitudes leave of an elastomer's stiffness (Payne effect, after Kraus):
 /// 1 − softening r/(1 + r), r = (A / softening_amplitude)^softening_exponent.
