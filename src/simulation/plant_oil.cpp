@@ -84,7 +84,8 @@ OilRates Plant::oil_rates(const OilState& state) const {
   out.oil_force = axis.force(state.p_cap, state.p_rod);
   out.piston = state.s + compliance * (out.oil_force - rest_force);
   const Lanes beside = 1.0 + compliance * stick_stiffness;
-  if (sticks) out.piston = (out.piston + compliance * stick_stiffness * stick_s) / beside;
+  const Lanes bent = (state.s - stick_s + compliance * (out.oil_force - rest_force)) / beside;
+  if (sticks) out.piston = stick_s + bent;
   const auto volume = axis.volumes(out.piston);
   const Lanes cap_in = out.cap_inflow - out.internal_leakage - cap_out;
   const Lanes rod_in = out.rod_inflow + out.internal_leakage - rod_out;
@@ -111,7 +112,7 @@ OilRates Plant::oil_rates(const OilState& state) const {
     out.friction_force = numerics::where_less(0.0, have, -bent.force, out.friction_force);
     out.bristle = numerics::where_less(0.0, have, bent.rate, 0.0);
   }
-  if (sticks) out.friction_force -= stick_stiffness * (out.piston - stick_s);
+  if (sticks) out.friction_force -= stick_stiffness * bent;
   out.stop_force = hydraulics::stop_force(axis.stops, state.s, state.s_rate);
   out.cap_flow = flows.cap;
   out.rod_flow = flows.rod;
