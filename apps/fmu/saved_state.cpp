@@ -31,8 +31,8 @@ std::array<char, 40> padded(const std::string& token) {
   return text;
 }
 
-bool finite(const std::vector<double>& values) {
-  return std::ranges::all_of(values, [](double value) { return std::isfinite(value); });
+bool finite(const std::vector<double>* values) {
+  return std::ranges::all_of(*values, [](double value) { return std::isfinite(value); });
 }
 
 }  // namespace
@@ -98,7 +98,7 @@ SavedState SavedState::read(const char* from, std::size_t size, const SavedState
     std::memcpy(list->data(), from, list->size() * sizeof(double));
     from += list->size() * sizeof(double);
   }
-  if (!finite(state.x) || !finite(state.inputs) || !std::isfinite(head.time))
+  if (!std::ranges::all_of(lists(state), finite) || !std::isfinite(head.time))
     throw Misuse("this serialized state has numbers that are not finite");
   state.mode = head.mode;
   state.has_stop = (head.flags & 1) != 0;

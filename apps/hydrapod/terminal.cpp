@@ -373,7 +373,10 @@ void ProgressLine::update(double fraction) {
   const auto now = std::chrono::steady_clock::now();
   if (shown_ && now - last_ < std::chrono::milliseconds(100)) return;
   last_ = now;
-  if (!shown_) first_ = fraction;
+  if (!shown_) {  // what came before, read from a file or not yet work, says nothing of the speed
+    first_ = fraction;
+    begun_ = now;
+  }
   shown_ = true;
   if (as_lines()) return print_line(fmt::format("progress {:.4f}", fraction));
   const double spent = std::chrono::duration<double>(now - begun_).count();

@@ -138,10 +138,10 @@ class ProgressLine {
 
  private:
   std::string title_;
-  double items_, first_{};  // share that was done when it began
+  double items_, first_{};  // share that was done at the first update
   bool shown_{};
   bool active_{};
-  std::chrono::steady_clock::time_point begun_{std::chrono::steady_clock::now()};
+  std::chrono::steady_clock::time_point begun_{};  // of the first update
   std::chrono::steady_clock::time_point last_{};
 };
 

@@ -21,8 +21,8 @@ constexpr double softest = 1e-3;
 struct Worst {
   double omega{std::numeric_limits<double>::infinity()};
   double drop{-std::numeric_limits<double>::infinity()};
-  double rise{-std::numeric_limits<double>::infinity()};
-  double mac{};  ///< of the resonance with that drop
+  double shift{};  // largest, down or up
+  double mac{};    ///< of the resonance with that drop
   std::string pose{}, direction{};
 };
 
@@ -41,17 +41,16 @@ class Question {
       try {
         all = first_resonances(machine, pose.X_BP, kind_);
       } catch (const base::ComputationError&) {  // folded: no resonance at all
-        return {0.0, 1.0, 0.0, 0.0, pose.name, ""};
+        return {0.0, 1.0, 1.0, 0.0, pose.name, ""};
       }
       for (const auto& found : all) {
         if (goal_.direction && found.main_direction != *goal_.direction) continue;
-        const bool worse = goal_.drop
-                               ? std::abs(found.drop()) > std::max(worst.drop, worst.rise)
-                               : found.omega < worst.omega;
+        const double shift = std::abs(found.drop());
+        const bool worse = goal_.drop ? shift > worst.shift : found.omega < worst.omega;
         worst.omega = std::min(worst.omega, found.omega);
         if (found.drop() > worst.drop) worst.mac = found.mac;
         worst.drop = std::max(worst.drop, found.drop());
-        worst.rise = std::max(worst.rise, -found.drop());
+        worst.shift = std::max(worst.shift, shift);
         if (!worse) continue;
         worst.pose = pose.name;
         worst.direction = found.direction;
@@ -63,8 +62,7 @@ class Question {
   /// Modes of soft sleeves lie below those of the platform and push them up: a resonance above that
   /// of rigid legs has a part of its motion far below.
   [[nodiscard]] bool met(const Worst& worst) const {
-    return goal_.drop ? std::max(worst.drop, worst.rise) <= *goal_.drop
-                      : worst.omega >= *goal_.omega;
+    return goal_.drop ? worst.shift <= *goal_.drop : worst.omega >= *goal_.omega;
   }
 
   [[nodiscard]] RemedyPoint point(double factor) const {

@@ -398,14 +398,14 @@ StudyEffort study_effort(const StudyJob& job, const StudyRunOptions& options) {
   const int threads = options.threads > 0 ? options.threads * ranks
                       : ranks > 1         ? ranks
                                           : numerics::processor_count();
+  const double there = std::min(part, bytes_there(options));
+  const double rows = static_cast<double>(job.rows) / options.shards * (1.0 - there / part);
   // rows, then columns
-  StudyEffort effort{
-      .bytes = 2.0 * part - std::min(part, bytes_there(options)),
-      .seconds = static_cast<double>(job.rows) * job.seconds_per_row / threads / options.shards,
-      .threads = threads};
-  effort.text = fmt::format("{:.4g} rows need {:.3g} GB and about {} on {} threads",
-                            static_cast<double>(job.rows) / options.shards, effort.bytes / 1e9,
-                            duration_text(effort.seconds), threads);
+  StudyEffort effort{.bytes = 2.0 * part - there,
+                     .seconds = rows * job.seconds_per_row / threads,
+                     .threads = threads};
+  effort.text = fmt::format("{:.4g} rows need {:.3g} GB and about {} on {} threads", rows,
+                            effort.bytes / 1e9, duration_text(effort.seconds), threads);
   return effort;
 }
 

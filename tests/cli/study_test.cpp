@@ -190,6 +190,35 @@ TEST(Studies, WhatIsAskedOfTheResultsIsLookedAtFirst) {
   EXPECT_EQ(complaint({"montecarlo", machine, "--vary", "platform.mass=normal ± 1 %", "--worst",
                        "w.toml"}),
             "--worst w.toml: error: which sample is worst follows from the first --want\n");
+  for (const auto& [bound, why] : {std::pair{"mac >= 1.2", "it is at most 1"},
+                                   {"share_x <= -0.1", "it is at least 0"},
+                                   {"condition <= 0.7", "a condition is at least 1"},
+                                   {"drop >= 120 %", "a drop is at most 100 %"}})
+    EXPECT_EQ(complaint({"sweep", machine, "--over", over, "--want", bound}),
+              fmt::format("--want \"{}\": error: no machine meets that; {}\n", bound, why));
+}
+
+/// Poses out of reach have no frequencies. They miss what is wanted, and none of them is the worst.
+TEST(Studies, TheWorstRowHasAValue) {
+  const test::TemporaryFolder folder;
+  const auto map =
+      test::run_hydrapod({"map", machine, "--over", "x=-2:2:3 m", "--over", "y=0:4:2 mm", "--want",
+                          "lowest >= 4 Hz", "--results", (folder / "map.h5").string()});
+  ASSERT_EQ(map.exit_code, 0) << map.err;
+  EXPECT_THAT(map.out, testing::ContainsRegex("worst for lowest >= 4 Hz: row [23], lowest = "));
+  EXPECT_THAT(map.out, testing::Not(HasSubstr("nan")));
+}
+
+/// A table that cannot be written costs neither the results nor a file that nobody names.
+TEST(Studies, ResultsAreWrittenBeforeTheTable) {
+  const test::TemporaryFolder folder;
+  const auto run = test::run_hydrapod({"montecarlo", machine, "--vary",
+                                       "platform.mass=normal ± 1 %", "--samples", "900", "--csv",
+                                       "/dev/full", "--results", (folder / "s.h5").string()});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_THAT(run.err, HasSubstr("/dev/full"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "s.h5"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "s.h5.rows"));
 }
 
 TEST(Studies, SweepAndMapGoThroughTheirGrids) {

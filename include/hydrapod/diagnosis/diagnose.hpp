@@ -357,10 +357,10 @@ struct AttributedDrop {
 std::vector<AttributedDrop> attribute_drops(const model::Machine& machine,
                                             const spatial::Pose& X_BP, dynamics::ModelKind kind);
 
-/// What is wanted: a frequency, or a largest drop below the rigid-leg model; one of the two.
+/// What is wanted: a frequency, or a largest shift against the rigid-leg model; one of the two.
 struct RemedyGoal {
   std::optional<double> omega{};   ///< [rad/s] the first resonance must reach
-  std::optional<double> drop{};    ///< 0.02: at most 2 % below rigid
+  std::optional<double> drop{};    ///< 0.02: at most 2 % below rigid, and no more above
   std::optional<int> direction{};  ///< 0…5; none: every direction
 };
 

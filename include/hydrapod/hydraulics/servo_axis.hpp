@@ -131,11 +131,11 @@ double line_inertia(const model::Leg& leg, double l_m);
 /// needs.
 double oil_stiffness(const model::Leg& leg, double l_m);
 
-/// What holds a leg along its axis: the oil spring, the strut or the screw, and in series compliant
-/// gimbals; beside them seals that stick.
+/// What holds a leg along its axis: the oil spring, the strut or the screw with seals that stick
+/// beside it, and in series compliant gimbals.
 struct AxialSpring {
-  double stiffness{};  ///< k_h k_j / (k_h + k_j) + k_b [N/m]
-  /// c_h (k_j / (k_h + k_j))² [N s/m]: the share of the motion that the oil's damper sees, as long
+  double stiffness{};  ///< (k_h + k_b) k_j / (k_h + k_b + k_j) [N/m]
+  /// c_h (k_j / (k_h + k_b + k_j))² [N s/m]: the share of the motion that the oil's damper sees, as long
   /// as the damper's force is small beside the spring's.
   double damping{};
 };

@@ -204,8 +204,8 @@ struct Leg {
   double added_axial_inertia{};  ///< m_a [kg], moves with the piston only
   /// k_j [N/m] of both gimbals and their fastening along the leg; absent: they are rigid.
   std::optional<double> gimbal_stiffness{};
-  /// k_b [N/m] along the leg of cylinder seals that stick at the amplitude of the motion, beside
-  /// oil and gimbals; 0: they slide. Simulations with valves have friction in its place.
+  /// k_b [N/m] of cylinder seals that stick at the amplitude of the motion: between rod and case,
+  /// beside the oil, gimbals in series with both; 0: they slide. Simulations with valves have friction in its place.
   double stick_stiffness{};
   Vector3 gimbal_axis{Vector3::UnitY()};  ///< a1: base-fixed axis of the lower gimbal, unit, in B
   /// I_c [kg m²] of the lower gimbal's cross about a1; used with FlexibleAxes::gimbal only.
