@@ -106,10 +106,7 @@ def rows_of_scipy(machine):
     names = [f"u{k}" for k in range(6)] + [f"a{k}" for k in range(6)]
     record = hydrapod.Record(samples, 1000.0, names, units=["N"] * 6 + ["m/s^2"] * 6,
                              roles=["excitation"] * 6 + ["response"] * 6)
-    with tempfile.TemporaryDirectory() as folder:
-        path = folder + "/record.mat"
-        record.write(path)
-        ours = seconds(lambda: hydrapod.frf(path, estimator="h1", block=4096))
+    ours = seconds(lambda: hydrapod.frf(record, estimator="h1", block=4096))
 
     def spectra():
         for i in range(12):
@@ -117,7 +114,7 @@ def rows_of_scipy(machine):
                 scipy.signal.csd(samples[:, i], samples[:, j], nperseg=4096)
 
     theirs = seconds(spectra)
-    row("6×6 responses with coherence and variance, 131072 samples, file read", unit(ours), unit(theirs),
+    row("6×6 responses with coherence and variance, 131072 samples", unit(ours), unit(theirs),
         "`scipy.signal.csd` over all 78 pairs, spectra alone", f"{theirs / ours:.1f}")
 
 

@@ -137,7 +137,7 @@ void run(const Arguments& arguments) {
         json_text({}, report::record_json(record, overview, arguments.spectra), -1));
   const auto style = table_style(arguments.file);
   write_result(arguments.file, format,
-               heading(header, overview, record.format(), style) + table(header, overview, style) +
+               heading(header, overview, *record.format(), style) + table(header, overview, style) +
                    legend + id_text(header.channels));
 }
 

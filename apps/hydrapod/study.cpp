@@ -4,6 +4,8 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <span>
+#include <tuple>
 
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/command.hpp"
@@ -176,7 +178,38 @@ std::string summary_text(const tasks::StudyJob& job, const study::Summary& summa
          indices_text(job, summary, style);
 }
 
-/// The row with the least value of an output, for maps; none where no row has one.
+/// "x = 0.1 m, rz = 0.02 rad": the inputs of a row.
+std::string inputs_text(const tasks::StudyJob& job, std::span<const double> values) {
+  std::string text;
+  for (std::size_t i = 0; i < job.problem.inputs.size(); ++i)
+    text += fmt::format("{}{} = {:.5g} {}", i > 0 ? ", " : "", job.problem.inputs[i].name,
+                        values[i], job.problem.inputs[i].unit);
+  return text;
+}
+
+/// Where a map has its extremes.
+std::string extremes_text(const tasks::StudyJob& job, const study::Summary& summary) {
+  if (!job.poses) return {};
+  std::string text;
+  for (const auto& [name, word, most] : {std::tuple{"lowest", "lowest frequency", false},
+                                         {"drop", "largest drop", true},
+                                         {"condition", "largest condition", true},
+                                         {"stroke", "least stroke left", false},
+                                         {"buckling", "least buckling payload", false}}) {
+    const auto& outputs = job.problem.outputs;
+    const auto column = std::ranges::find(outputs, name, &study::Column::name);
+    if (column == outputs.end()) continue;
+    const auto& found = summary.outputs[static_cast<std::size_t>(column - outputs.begin())];
+    if (found.count == 0) continue;
+    const auto row = most ? found.most_row : found.least_row;
+    text += fmt::format("{}: {:.4g}{} at {} (row {})\n", word, most ? found.most : found.least,
+                        column->unit == "1" ? "" : " " + column->unit,
+                        inputs_text(job, tasks::study_row(job, row)), row);
+  }
+  return text.empty() ? text : text + "\n";
+}
+
+/// The row with the worst value of each requirement; none where no row has one.
 std::string worst_text(const tasks::StudyJob& job, const study::Summary& summary) {
   std::string text;
   for (std::size_t k = 0; k < job.requirements.size(); ++k) {
@@ -185,13 +218,9 @@ std::string worst_text(const tasks::StudyJob& job, const study::Summary& summary
     const auto values = tasks::study_row(job, *worst);
     const std::size_t inputs = job.problem.inputs.size();
     const auto output = static_cast<std::size_t>(job.requirements[k].output);
-    text += fmt::format("worst for {}: row {}, {} = {:.4g} {}, with", job.requirements[k].text,
+    text += fmt::format("worst for {}: row {}, {} = {:.4g} {}, with {}\n", job.requirements[k].text,
                         *worst, job.problem.outputs[output].name, values[inputs + output],
-                        job.problem.outputs[output].unit);
-    for (std::size_t i = 0; i < inputs; ++i)
-      text += fmt::format("{} {} = {:.5g} {}", i > 0 ? "," : "", job.problem.inputs[i].name,
-                          values[i], job.problem.inputs[i].unit);
-    text += "\n";
+                        job.problem.outputs[output].unit, inputs_text(job, values));
   }
   return text;
 }
@@ -269,7 +298,7 @@ void report_study(const Arguments& arguments, const tasks::StudyJob& job,
                   frequencies_line(job.machine.file.machine), done.summary->rows, job.plan.seed) +
           summary_text(job, *done.summary, style) +
           (no_drop ? fmt::format("\nLeft out: drop {}.\n", *no_drop) : "") + "\n" +
-          worst_text(job, *done.summary));
+          extremes_text(job, *done.summary) + worst_text(job, *done.summary));
 }
 
 /// What stands in a study file counts where the command line says nothing: so it is read here.

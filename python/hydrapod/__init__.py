@@ -102,7 +102,7 @@ from ._record_tools import (
 )
 from ._records import Record, read_record
 from ._studies import DesignFunction, design, montecarlo, sweep, workspace_map
-from . import _texts
+from . import _show, _texts
 from ._tasks import (
     bode,
     calibrate,
@@ -120,6 +120,9 @@ from ._tasks import (
     simulate,
     system,
 )
+
+_show.attach_fields([Attached, Buckling, Evaluation, Export, LinearPlant, MultibodyText, ParityLine, PoseQuality,
+                     RecoveredRecord, RigRun, SampledSignals, StaticEquilibrium, VerifiedRecord, WrittenRecord])
 
 __all__ = [
     "Attached",

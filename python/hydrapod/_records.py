@@ -8,7 +8,7 @@ import os
 import shutil
 import tempfile
 from contextlib import contextmanager
-from typing import Any, Iterable, Iterator, List, Optional, Sequence, Union
+from typing import Any, Dict, Iterable, Iterator, List, Optional, Sequence, Union
 
 import numpy as np
 
@@ -208,14 +208,32 @@ def _folder_for(size: int) -> Optional[str]:
     return memory if enough else None
 
 
+def _items(measured: Measured) -> List[Any]:
+    """What was measured as a list."""
+    if isinstance(measured, (str, os.PathLike, Record, _core.Result)):
+        return [measured]
+    if isinstance(measured, np.ndarray) or not isinstance(measured, Iterable):
+        advice = "; Record(samples, rate, channels) makes a record" if isinstance(measured, np.ndarray) else ""
+        raise TypeError(f"expected a file, a Record, a result or a list of these, got {measured!r}{advice}")
+    return list(measured)
+
+
+@contextmanager
+def sources_of(measured: Measured) -> Iterator[Dict[str, Any]]:
+    """What was measured, for tasks that take records from memory: their options files and records_in_memory."""
+    items = _items(measured)
+    if items and all(isinstance(item, Record) for item in items):
+        names = [f"record {number + 1}" if len(items) > 1 else "record" for number in range(len(items))]
+        yield {"files": names, "records_in_memory": [item._core_record for item in items]}
+        return
+    with files_of(items) as files:
+        yield {"files": files}
+
+
 @contextmanager
 def files_of(measured: Measured) -> Iterator[List[str]]:
     """Paths of what was measured; records and results in memory are in files of their own for the time of a task."""
-    single = isinstance(measured, (str, os.PathLike, Record, _core.Result))
-    items: List[Any] = [measured] if single else list(measured) if isinstance(measured, Iterable) else []
-    if not single and (isinstance(measured, np.ndarray) or not isinstance(measured, Iterable)):
-        advice = "; Record(samples, rate, channels) makes a record" if isinstance(measured, np.ndarray) else ""
-        raise TypeError(f"expected a file, a Record, a result or a list of these, got {measured!r}{advice}")
+    items = _items(measured)
     size = sum(item.samples.nbytes for item in items if isinstance(item, Record))
     with tempfile.TemporaryDirectory(prefix="hydrapod-", dir=_folder_for(size)) as folder:
         paths = []

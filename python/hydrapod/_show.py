@@ -206,6 +206,26 @@ def page(result: Any) -> str:
             f"{after}</div>")
 
 
+def _cell(value: Any) -> str:
+    """A field of a tuple in a few words: a number, a short list, the shape of an array."""
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    if isinstance(value, (list, tuple)) and len(value) <= 8:
+        return ", ".join(_cell(one) for one in value)
+    if isinstance(value, (list, tuple)):
+        return f"{len(value)}: {_cell(value[0])}, …"
+    if isinstance(value, np.ndarray):
+        return _cell(value.tolist()) if value.ndim == 1 and len(value) <= 8 else " × ".join(map(str, value.shape))
+    return str(value)
+
+
+def fields(result: Any) -> str:
+    """A named tuple in notebooks: a row per field."""
+    body = "".join(f"<tr><th>{html.escape(name)}</th><td>{html.escape(_cell(value))}</td></tr>"
+                   for name, value in zip(result._fields, result))
+    return f"<div><b>{html.escape(type(result).__name__)}</b><table><tbody>{body}</tbody></table></div>"
+
+
 def _record_array(modes: Any) -> Any:
     """A row per mode, as a NumPy record array: frequency_hz, damping_ratio, omega, moves_platform, label."""
     names = ("frequency_hz", "damping_ratio", "omega", "moves_platform")
@@ -237,6 +257,12 @@ def _damping_matrix(modes: Any) -> Any:
     squares, vectors = np.linalg.eigh(inverse @ K @ inverse.T)
     omega = np.sqrt(np.maximum(squares, 0.0))
     return C + L @ (vectors * (2.0 * ratio * omega)) @ vectors.T @ L.T
+
+
+def attach_fields(tuples: Sequence[Any]) -> None:
+    """Gives named tuples a table for notebooks."""
+    for one in tuples:
+        one._repr_html_ = fields
 
 
 def attach() -> None:

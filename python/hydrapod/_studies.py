@@ -61,10 +61,9 @@ def _run(machine: Machine, kind: str, progress: Optional[Progress], results: Opt
 def _with_outputs(machine: Machine, kind: str, progress: Optional[Progress], results: Optional[Path],
                   outputs: Optional[Outputs], **options: Any) -> Study:
     """A study with columns of functions; the study is the first part of the progress, each column one more."""
-    functions = dict(_paths({} if outputs is None else outputs, "outputs"))
-    for name, function in functions.items():
-        _checked_function(function, name)
-        if name in options["over"] or _is_column(name):
+    functions = _functions(outputs)
+    for name in functions:
+        if name in options.get("over", ()) or name in options.get("vary", ()) or _is_column(name):
             raise ValueError(f"outputs: {name}: the study has such a column itself")
     parts = 1 + len(functions)
 
@@ -81,10 +80,17 @@ def _with_outputs(machine: Machine, kind: str, progress: Optional[Progress], res
     return study
 
 
+def _functions(outputs: Optional[Outputs]) -> Dict[str, Callable[[Machine], float]]:
+    functions = dict(_paths({} if outputs is None else outputs, "outputs"))
+    for name, function in functions.items():
+        _checked_function(function, name)
+    return functions
+
+
 def _is_column(name: str) -> bool:
     """Whether studies have a column of that name, or may have it."""
-    return re.fullmatch(r"status|lowest|direction|(drop|drop_|pose\.)?r?[xyz]|drop|condition|stroke|mac|mode\d+|"
-                        r"buckling.*", name) is not None
+    return re.fullmatch(r"status|lowest|direction|((drop|share|peak)_|pose\.)?r?[xyz]|drop|share|peak|condition|"
+                        r"stroke|mac|mode\d+|buckling.*", name) is not None
 
 
 def _checked_function(function: Any, name: str) -> None:
@@ -92,28 +98,29 @@ def _checked_function(function: Any, name: str) -> None:
         raise TypeError(f"{name}: expected a function of a Machine, got {function!r}")
 
 
-def montecarlo(machine: Machine, vary: Mapping[str, str], *, want: Texts = (), samples: int = 10000, seed: int = 1,
-               design: str = "random", indices: bool = False, modes: int = 6, buckling: bool = False,
-               threads: int = 0, results: Optional[Path] = None, resume: bool = False,
+def montecarlo(machine: Machine, vary: Mapping[str, str], *, want: Texts = (), outputs: Optional[Outputs] = None,
+               samples: int = 10000, seed: int = 1, design: str = "random", indices: bool = False, modes: int = 6,
+               buckling: bool = False, threads: int = 0, results: Optional[Path] = None, resume: bool = False,
                shard: Optional[Tuple[int, int]] = None, join: bool = False,
                progress: Optional[Progress] = None) -> Study:
     """Scatter of numbers of the file: distributions of modes, probability of missing a requirement.
 
     vary: {PATH: "normal ± 10 %"}; normal, lognormal, uniform, triangular, "… per leg". want: requirements,
-    "x >= 6 Hz". samples: rows. design: random, latin or sobol. indices: Sobol indices, with d + 2 rows a sample. modes:
+    "x >= 6 Hz". outputs: {NAME: function of a Machine} adds columns of your own, see Study.evaluate; where progress
+    stops the study they are NaN. samples: rows. design: random, latin or sobol. indices: Sobol indices, with d + 2 rows a sample. modes:
     those of the platform that are followed. buckling: the buckling payload too. results: HDF5 file of the rows, which
     resume (go on with it), shard=(i, n) (part i of n) and join (put the parts together) need.
 
     Result, N rows: values (N, columns) [SI, frequencies in Hz: undamped ones, with elastomers those of the damped
     modes], names, units, meanings; study["x"] is a column, NaN where it cannot be computed; study["status"] says
     why. requirements, probability_of_missing and probability_interval (95 %), worst_rows; machine(row); to_records(), to_pandas(); the rest in to_dict().
-    Raises InputError for a path, a distribution or a requirement that cannot be. Source: docs/theory/study.md.
-    C++: tasks::prepare_study in hydrapod/tasks/study.hpp.
+    Raises InputError for a path, a distribution or a requirement that cannot be, ValueError and TypeError for outputs
+    that cannot be columns. Source: docs/theory/study.md. C++: tasks::prepare_study in hydrapod/tasks/study.hpp.
     """
-    return _run(machine, "montecarlo", progress, results,
-                vary={path: _checks.word(text, path) for path, text in _paths(vary, "vary").items()},
-                want=_checks.words(want, "want"), samples=samples, seed=seed, design=design, indices=indices,
-                modes=modes, buckling=buckling, threads=threads, resume=resume, shard=shard, join=join)
+    return _with_outputs(machine, "montecarlo", progress, results, outputs,
+                         vary={path: _checks.word(text, path) for path, text in _paths(vary, "vary").items()},
+                         want=_checks.words(want, "want"), samples=samples, seed=seed, design=design, indices=indices,
+                         modes=modes, buckling=buckling, threads=threads, resume=resume, shard=shard, join=join)
 
 
 def sweep(machine: Machine, over: Over, *, want: Texts = (), outputs: Optional[Outputs] = None,
@@ -153,13 +160,15 @@ def workspace_map(machine: Machine, over: Over, *, want: Texts = (), outputs: Op
 
 
 def design(machine: Machine, change: Mapping[str, Any], *, minimise: Texts = (), maximise: Texts = (), want: Texts = (),
-           poses: Texts = (), samples: int = 2048, seed: int = 1, starts: int = 6, trade_off: int = 11, threads: int = 0,
-           progress: Optional[Progress] = None) -> Design:
+           poses: Texts = (), outputs: Optional[Outputs] = None, samples: int = 2048, seed: int = 1, starts: int = 6,
+           trade_off: int = 11, threads: int = 0, progress: Optional[Progress] = None) -> Design:
     """Numbers of a machine that meet requirements at every pose with the least or largest aim.
 
     change: {PATH: "1:50 kN/mm"} or {PATH: (low, high)} in SI, what may change and its bounds. minimise, maximise:
     one aim, an output or a changed path; two in both together give a trade-off of `trade_off` points. want:
-    requirements, "x >= 6 Hz". poses: names or displacements, the worst counts [the machine's pose]. samples: Sobol
+    requirements, "x >= 6 Hz". poses: names or displacements, the worst counts [the machine's pose]. outputs:
+    {NAME: function of a Machine}, numbers of your own that want, minimise and maximise may name; a function gets the
+    machine of a design at a pose, thousands of them, and gives no number by raising ComputationError. samples: Sobol
     points at which the search begins; starts: local searches from the best of them.
 
     Frequencies are undamped ones, with elastomers those of the damped modes.
@@ -167,14 +176,26 @@ def design(machine: Machine, change: Mapping[str, Any], *, minimise: Texts = (),
     aims, aim_values, aim_present; requirements, worst, worst_present, worst_poses; of a trade-off front_aims (n, 2)
     and front_values (n, changes); limits and the rest in to_dict(). Where no design meets all requirements,
     feasible is False, values are those of the least violation, and machine raises ComputationError.
-    Raises InputError for a path, a range, a requirement or an aim that cannot be. Source: docs/theory/study.md.
-    C++: tasks::prepare_design in hydrapod/tasks/study.hpp.
+    Raises InputError for a path, a range, a requirement, an output or an aim that cannot be, and what a function of
+    outputs raises. Source: docs/theory/study.md. C++: tasks::prepare_design in hydrapod/tasks/study.hpp.
     """
     return _core.design(_core_of(machine), _checks.options(
+        outputs={name: _own_output(name, function) for name, function in _functions(outputs).items()},
         change=_bounds(change), minimise=_checks.words(minimise, "minimise"),
         maximise=_checks.words(maximise, "maximise"), want=_checks.words(want, "want"),
         poses=_checks.words(poses, "poses"), samples=samples, seed=seed, starts=starts, trade_off=trade_off,
         threads=threads), progress)
+
+
+def _own_output(name: str, function: Callable[[Machine], float]) -> Callable[[Any], Optional[float]]:
+    """What the search calls: a number, or None where there is none."""
+    def call(core: Any) -> Optional[float]:
+        try:
+            found = function(Machine._wrapped(core))
+        except ComputationError:
+            return None
+        return _result_of(found, name)
+    return call
 
 
 def _bounds(change: Mapping[str, Any]) -> Dict[str, str]:
@@ -246,16 +267,16 @@ def evaluate(study: Any, function: Callable[[Machine], float], *, progress: Opti
             found = function(machine(study, int(row)))
         except ComputationError:
             continue
-        values[row] = _result_of(found, int(row))
+        values[row] = _result_of(found, f"row {row}")
     if progress is not None:
         progress(1.0)
     return values
 
 
-def _result_of(found: Any, row: int) -> float:
+def _result_of(found: Any, of: str) -> float:
     array = np.asarray(found)
     if array.size != 1 or array.dtype.kind not in "fiub":
-        raise TypeError(f"row {row}: expected a function that returns a real number, it returned {found!r}")
+        raise TypeError(f"{of}: expected a function that returns a real number, it returned {found!r}")
     return float(array.reshape(())[()])
 
 

@@ -31,7 +31,7 @@ from ._checks import Texts
 from ._errors import ComputationError
 from ._machine import Machine, Quantity, _lines
 from ._progress import all_or_none
-from ._records import Measured, Path, Record, files_of
+from ._records import Measured, Path, Record, files_of, sources_of
 
 Progress = Callable[[float], Optional[bool]]
 
@@ -276,9 +276,9 @@ def frf(measured: Measured, *, machine: Union[Machine, Path, None] = None, pose:
     where a record is too short, an input has no excitation, or progress stops. Source: docs/theory/identification.md.
     C++: tasks::frf in hydrapod/tasks/measurement.hpp.
     """
-    with files_of(measured) as files, all_or_none(progress) as told:
+    with sources_of(measured) as sources, all_or_none(progress) as told:
         return _core.frf(_measure_options(machine, dict(
-            files=files, pose=pose, model=model, inputs=inputs, outputs=outputs, instruments=instruments,
+            **sources, pose=pose, model=model, inputs=inputs, outputs=outputs, instruments=instruments,
             input_from=input_from, estimator=estimator, window=window, block=block, overlap=overlap,
             period=period, whole_record=whole_record, settling=settling, rate=rate, exponential_window=exponential_window,
             accelerometers=accelerometers, sensors=sensors, point=point)), told)
@@ -307,9 +307,9 @@ def identify(measured: Measured, *, machine: Union[Machine, Path, None] = None, 
     Raises as frf() does. Where there is no mode, n is 0 and warnings say why. Source: docs/theory/identification.md.
     C++: tasks::identify in hydrapod/tasks/measurement.hpp.
     """
-    with files_of(measured) as files, all_or_none(progress) as told:
+    with sources_of(measured) as sources, all_or_none(progress) as told:
         return _core.identify(_measure_options(machine, {"from": from_, **dict(
-            files=files, pose=pose, model=model, to=to, order=order, highest_damping=highest_damping,
+            **sources, pose=pose, model=model, to=to, order=order, highest_damping=highest_damping,
             against=against, bootstrap=bootstrap, output_only=output_only, inputs=inputs, outputs=outputs,
             instruments=instruments, input_from=input_from, estimator=estimator, window=window, block=block,
             overlap=overlap, period=period, whole_record=whole_record, settling=settling, rate=rate,

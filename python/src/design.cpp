@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <limits>
+#include <span>
+
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/report/model_results.hpp"
 #include "hydrapod/tasks/study.hpp"
@@ -25,6 +28,43 @@ struct Designed : Result {
   }
 };
 
+/// The machine with these numbers at a pose.
+Machine changed_machine(const Machine& machine, const Names& paths, std::span<const double> values,
+                        const model::NamedPose& pose) {
+  tasks::MachineOptions options{.file = machine->path, .text = machine->file.text};
+  options.overrides = machine->file.overrides;
+  for (std::size_t k = 0; k < paths.size(); ++k)
+    options.overrides.push_back(paths[k] + "=" +
+                                py::repr(py::float_(values[k])).cast<std::string>());
+  options.pose = pose.name;
+  options.model = machine->kind;
+  return without_gil([&] { return std::make_shared<Subject>(tasks::read_machine(options)); });
+}
+
+/// A Python object for threads that do not hold the GIL.
+std::shared_ptr<py::object> shared(const py::handle& object) {
+  return {new py::object(py::reinterpret_borrow<py::object>(object)), [](py::object* kept) {
+            const py::gil_scoped_acquire python;
+            delete kept;
+          }};
+}
+
+/// Outputs that are functions of a machine in Python, which give a number or None.
+void add_own_outputs(const Machine& machine, const Options& asked, tasks::DesignOptions& options) {
+  Names paths;
+  for (const auto& change : options.change) paths.push_back(change.path);
+  for (const auto& [name, call] : asked.get<py::dict>("outputs")) {
+    options.own.push_back(
+        {.column = {name.cast<std::string>(), "1", "a function"},
+         .of = [machine, paths, function = shared(call)](std::span<const double> values,
+                                                         const model::NamedPose& pose) {
+           const py::gil_scoped_acquire python;
+           const auto found = (*function)(changed_machine(machine, paths, values, pose));
+           return found.is_none() ? std::numeric_limits<double>::quiet_NaN() : found.cast<double>();
+         }});
+  }
+}
+
 tasks::DesignOptions options_of(const Machine& machine, const Options& asked) {
   tasks::DesignOptions options{.want = asked.get<Names>("want")};
   for (const auto& [path, text] : asked.get<py::dict>("change")) {
@@ -40,6 +80,7 @@ tasks::DesignOptions options_of(const Machine& machine, const Options& asked) {
   if (options.aims.empty() || options.aims.size() > 2)
     base::refuse("minimise",
                  "expected one aim, or two for a trade-off, in minimise and maximise together");
+  add_own_outputs(machine, asked, options);
   return options;
 }
 

@@ -21,6 +21,9 @@ tasks::MeasureOptions measure_options(const Options& asked) {
                                 .output_only = asked.get("output_only", false),
                                 .machine = asked.get<std::string>("machine_file"),
                                 .pose = asked.get<std::string>("pose")};
+  for (const auto& record :
+       asked.get<std::vector<std::shared_ptr<data::Record>>>("records_in_memory"))
+    options.records.push_back(record);
   if (options.files.empty()) base::refuse("files", "expected a record or a file of responses");
   if (asked.has("machine")) options.known = *asked.get<std::shared_ptr<Subject>>("machine");
   if (asked.has("model"))

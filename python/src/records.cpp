@@ -162,7 +162,7 @@ void add_overview(py::module_& module) {
             return view_of(self.cast<const Overview&>().shown.overview.spectrum.density, self);
           })
       .def_property_readonly(
-          "format", [](const Overview& o) { return data::format_text(o.shown.record.format()); })
+          "format", [](const Overview& o) { return data::format_text(*o.shown.record.format()); })
       .def_property_readonly("title", [](const Overview& o) { return o.header().title; })
       .def_property_readonly("sample_rate",
                              [](const Overview& o) { return o.header().sample_rate; })

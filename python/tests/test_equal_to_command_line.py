@@ -186,6 +186,25 @@ def test_measurement(run, task):
     assert call(run).to_dict() == expected
 
 
+@pytest.mark.parametrize("task", measurements)
+def test_measurement_in_memory(run, task, tmp_path):
+    """Without a file, the same bits."""
+    call = measurements[task][1]
+    found, expected = (call(source).to_dict() for source in (hydrapod.read_record(run), run))
+    assert found.pop("records") == ["record"] and expected.pop("records") == [run]
+    assert found == expected
+
+
+def test_several_records_in_memory(run):
+    record = hydrapod.read_record(run)
+    other = hydrapod.Record(record.samples[::-1], record.sample_rate, record.channels, units=record.units,
+                            roles=record.roles, directions=record.directions)
+    found = hydrapod.frf([record, other], machine=None)
+    assert found.to_dict()["records"] == ["record 1", "record 2"]
+    with pytest.raises(hydrapod.InputError, match="record 2.*twice"):
+        hydrapod.frf([record, record])
+
+
 @pytest.mark.parametrize("task, ending", [(task, ending) for task in ("frf", "identify")
                                           for ending in ("csv", "uff", "mat", "h5") if (task, ending) != ("identify", "h5")])
 def test_results_are_written_as_the_command_line_writes_them(run, tmp_path, task, ending):
@@ -236,6 +255,45 @@ def test_diagnose(heavy, targets):
 def test_comparison_of_records(strong_run):
     path = str(root / "models" / "zhang-jiang-2021.toml")
     assert hydrapod.compare(path, strong_run).to_dict() == command_line("compare", path, strong_run, "--format", "json")
+
+
+@pytest.mark.parametrize("entry, excitation", [("command", "white all=0.05 mm"),
+                                               ("wrench", "multisine all=90, to=40, period=1")])
+def test_rig(model, entry, excitation, tmp_path):
+    """The same samples in the record, and the same words about them but for the notes: the program names the file it read."""
+    theirs, ours = (str(tmp_path / name) for name in ("theirs.h5", "ours.h5"))
+    program("rig", model, "--excite", excitation, "--entry", entry, "--duration", "1.5", "--rate", "200", "--seed", "11",
+            "--settling", "0.2", "--above-limits", "-o", theirs)
+    done = hydrapod.rig(hydrapod.read_machine(model), ours, excite=excitation, entry=entry, duration="1.5 s", rate=200,
+                        seed=11, settling=0.2, above_limits=True)
+    assert done.finished and done.record == ours
+    found, expected = hydrapod.read_record(ours), hydrapod.read_record(theirs)
+    np.testing.assert_array_equal(found.samples, expected.samples)
+    for name in ("channels", "units", "roles", "directions", "sample_rate", "start", "title", "machine_text"):
+        assert getattr(found, name) == getattr(expected, name), name
+
+
+reports = {
+    "report": (["--points", "40", "--title", "A & B"], dict(points=40, title="A & B")),
+    "report of two poses": (["--points", "20", "--pose", "neutral", "--pose", "z=3 mm", "--modes", "1,3", "--command",
+                             "step z=1 mm", "--until", "0.2"],
+                            dict(points=20, poses=["neutral", "z=3 mm"], modes=[1, 3], commands="step z=1 mm",
+                                 until=0.2)),
+}
+
+
+@pytest.mark.parametrize("task", reports)
+def test_report_of_a_model(model, task):
+    arguments, options = reports[task]
+    found = hydrapod.report(hydrapod.read_machine(model), **options).to_dict()
+    assert found == command_line("report", model, *arguments, "--format", "json", "-o", "-")
+
+
+def test_report_of_a_diagnosis(strong_run):
+    path = str(root / "models" / "zhang-jiang-2021.toml")
+    found = hydrapod.report(hydrapod.read_machine(path), measured=strong_run, diagnose=strong_run, want="x=5 Hz", points=20)
+    assert found.to_dict() == command_line("report", path, "--measured", strong_run, "--diagnose", strong_run, "--want",
+                                           "x=5 Hz", "--points", "20", "--format", "json", "-o", "-")
 
 
 def test_report(heavy, tmp_path):

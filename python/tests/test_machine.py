@@ -161,6 +161,19 @@ def test_results_show_themselves(heavy):
     assert "Hz" in repr(hydrapod.modes(heavy).rigid)
 
 
+def test_named_tuples_are_tables_in_notebooks(heavy):
+    import xml.etree.ElementTree as tree
+
+    plant = hydrapod.Plant(heavy).linearise()
+    for result in (hydrapod.pose_quality(heavy), hydrapod.static_equilibrium(heavy), hydrapod.buckling(heavy), plant,
+                   hydrapod.sample_signals("step z=1 mm", duration=0.1)):
+        rows = tree.fromstring(result._repr_html_()).findall("table/tbody/tr")
+        assert [row.find("th").text for row in rows] == list(result._fields)
+        assert all(row.find("td").text for row in rows)
+    cells = [row.find("td").text for row in tree.fromstring(plant._repr_html_()).findall("table/tbody/tr")]
+    assert cells[0] == " × ".join(map(str, plant.A.shape)) and cells[4].startswith(f"{len(plant.states)}: ")
+
+
 def test_shapes_are_normalised_as_their_text_says(heavy):
     for found in (hydrapod.modes(heavy), hydrapod.modes(heavy).rigid):
         shapes = found.shapes

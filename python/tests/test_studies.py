@@ -183,9 +183,12 @@ def test_wrong_designs(heavy, options, message):
 def test_functions_that_cannot_be_columns_are_refused_before_the_study(heavy):
     calls = []
     for outputs, message in (({"own": 3}, "function"), ({"x": lambda m: 1.0}, "such a column"),
+                             ({"peak_rz": lambda m: 1.0}, "such a column"), ({"share": lambda m: 1.0}, "such a column"),
                              ({"platform.mass": lambda m: 1.0}, "such a column"), ([lambda m: 1.0], "dict")):
         with pytest.raises((TypeError, ValueError), match=message):
             hydrapod.sweep(heavy, {"platform.mass": [12e3]}, outputs=outputs, progress=calls.append)
+        with pytest.raises((TypeError, ValueError), match=message):
+            hydrapod.montecarlo(heavy, {"platform.mass": "normal ± 1 %"}, outputs=outputs, progress=calls.append)
     with pytest.raises(ValueError, match="neutral"):
         hydrapod.workspace_map(heavy.at("z=10 mm"), {"x": [0.0, 0.01]}, outputs={"own": lambda m: 1.0},
                                progress=calls.append)
@@ -208,6 +211,58 @@ def test_progress_of_columns(heavy):
     np.testing.assert_array_equal(study["one"], masses["platform.mass"])
     with pytest.raises(hydrapod.ComputationError, match="of 8 rows"):
         hydrapod.sweep(heavy, masses, outputs=own, progress=lambda share: share > 0.5)
+
+
+def test_every_column_of_a_study_is_known_as_one(heavy):
+    from hydrapod._studies import _is_column
+
+    study = hydrapod.sweep(heavy, {"platform.mass": [12e3]}, buckling=True)
+    assert all(_is_column(name) for name in study.names if name != "platform.mass")
+
+
+def test_montecarlo_with_columns_of_ones_own(heavy):
+    study = hydrapod.montecarlo(heavy, {"platform.mass": "uniform ± 10 %"}, samples=7, seed=3, threads=1,
+                                outputs={"twice": lambda m: 2.0 * m["platform.mass"]})
+    np.testing.assert_array_equal(study["twice"], 2.0 * study["platform.mass"])
+
+
+def test_design_with_outputs_of_ones_own(heavy):
+    """The least of a distance is where it is zero; a bound of it stops the mass; poses are told apart."""
+    def distance(machine):
+        if machine["platform.mass"] > 15e3:
+            raise hydrapod.ComputationError("too heavy for the crane")
+        return np.hypot(machine[sleeve] / 3.1e6 - 1.0, machine["platform.mass"] / 13.1e3 - 1.0)
+
+    change = {sleeve: (1e6, 9e6), "platform.mass": (11e3, 16e3)}
+    nearest = hydrapod.design(heavy, change, minimise="distance", outputs={"distance": distance}, samples=64, starts=2)
+    assert nearest.feasible
+    np.testing.assert_allclose(nearest.values, [3.1e6, 13.1e3], rtol=1e-4)
+    assert nearest.machine["platform.mass"] == pytest.approx(13.1e3, rel=1e-4)
+    heaviest = hydrapod.design(heavy, change, maximise="platform.mass", want="distance <= 0.1",
+                               outputs={"distance": distance}, samples=64, starts=2)
+    assert heaviest.feasible and heaviest.values[1] == pytest.approx(1.1 * 13.1e3, rel=1e-4)
+    seen = set()
+    poses = hydrapod.design(heavy, {sleeve: (1e6, 9e6)}, minimise="height", poses=["z=10 mm", "z=30 mm"], samples=16,
+                            starts=1, outputs={"height": lambda m: seen.add(m.pose) or float(m.pose == "z=30 mm")})
+    assert seen == {"z=10 mm", "z=30 mm"} and poses.aim_values[0] == 1.0
+
+
+def test_functions_of_a_design_that_fail(heavy):
+    change = {"platform.mass": (11e3, 16e3)}
+    options = dict(minimise="own", samples=16, starts=1)
+    with pytest.raises(ZeroDivisionError):
+        hydrapod.design(heavy, change, outputs={"own": lambda m: 1 / 0}, **options)
+    with pytest.raises(TypeError, match="own.*real number"):
+        hydrapod.design(heavy, change, outputs={"own": lambda m: "3"}, **options)
+    with pytest.raises(hydrapod.InputError, match="such an output"):
+        hydrapod.design(heavy, change, outputs={"lowest": lambda m: 1.0}, **{**options, "minimise": "lowest"})
+    with pytest.raises(TypeError, match="function"):
+        hydrapod.design(heavy, change, outputs={"own": 3}, **options)
+
+    def nowhere(machine):
+        raise hydrapod.ComputationError("none")
+
+    assert not hydrapod.design(heavy, change, outputs={"own": nowhere}, want="own <= 1", **options).feasible
 
 
 def test_functions_may_have_no_result(heavy):

@@ -54,45 +54,100 @@ bool differ_in_inputs(const RecordHeader& a, const RecordHeader& b) {
   });
 }
 
+/// A record in memory as a file of a set.
+class RecordInMemory : public RecordReader {
+ public:
+  RecordInMemory(const std::string& name, std::shared_ptr<const Record> record)
+      : RecordReader(name), record_(std::move(record)) {
+    if (record_->samples.cols() != std::ssize(record_->header.channels))
+      throw std::invalid_argument(fmt::format("{}: {} columns of samples for {} channels", name,
+                                              record_->samples.cols(),
+                                              record_->header.channels.size()));
+    validate(record_->header);
+    header_ = record_->header;
+    factors_.assign(header_.channels.size(), 1.0);
+    count_ = record_->samples.rows();
+  }
+
+ private:
+  std::int64_t read_values(Eigen::Ref<Samples> block) override {
+    block = record_->samples.middleRows(done_, block.rows());
+    return block.rows();
+  }
+
+  std::shared_ptr<const Record> record_;
+};
+
+bool is_in_memory(const RecordReader& reader) {
+  return dynamic_cast<const RecordInMemory*>(&reader) != nullptr;
+}
+
+constexpr const char* counts_twice = "is given twice, as {} before; it would count twice";
+
 /// It would count twice in every average.
 void refuse_repeated(const std::vector<std::string>& files) {
   for (std::size_t k = 1; k < files.size(); ++k)
     for (std::size_t before = 0; before < k; ++before) {
       std::error_code absent;
       if (std::filesystem::equivalent(files[k], files[before], absent))
-        base::refuse(files[k], fmt::format("is given twice, as {} before; it would count twice",
-                                           files[before]));
+        base::refuse(files[k], fmt::format(counts_twice, files[before]));
     }
 }
 
 }  // namespace
 
 RecordSet::RecordSet(std::vector<std::string> files, const ReadOptions& options)
-    : files_(std::move(files)), counts_(files_.size()), kept_(files_.size()) {
+    : files_(std::move(files)) {
   if (files_.empty()) throw std::invalid_argument("RecordSet: no file is named");
   refuse_repeated(files_);
-  for (std::size_t k = 0; k < files_.size(); ++k) {
-    readers_.push_back(open_reader(files_[k], options));
-    if (differ_in_inputs(header(), header(k)))
-      base::refuse(files_[k], "other inputs than " + files_[0] +
-                                  ": records of several inputs, as those of a hammer that roves "
-                                  "from point to point, are not combined; identify each record by "
-                                  "itself, or give the responses to all inputs as one file");
-    if (!same_channels(header(), header(k)))
-      base::refuse(files_[k],
-                   fmt::format("other channels or another sample rate than {}: records that "
-                               "are averaged together have the same",
-                               files_[0]));
-    refuse_other_units(header(), header(k), files_[0], files_[k]);
-    counts_[k] = readers_[k]->sample_count();
+  for (const auto& file : files_) add(open_reader(file, options));
+}
+
+RecordSet::RecordSet(std::vector<std::shared_ptr<const Record>> records,
+                     std::vector<std::string> names)
+    : files_(std::move(names)) {
+  if (records.empty() || records.size() != files_.size())
+    throw std::invalid_argument("RecordSet: expected records, and a name for each");
+  for (std::size_t k = 0; k < records.size(); ++k) {
+    const auto before =
+        std::find(records.begin(), records.begin() + static_cast<std::ptrdiff_t>(k), records[k]) -
+        records.begin();
+    if (before < static_cast<std::ptrdiff_t>(k))
+      base::refuse(files_[k], fmt::format(counts_twice, files_[static_cast<std::size_t>(before)]));
   }
+  for (std::size_t k = 0; k < records.size(); ++k)
+    add(std::make_unique<RecordInMemory>(files_[k], std::move(records[k])));
+}
+
+/// The next one of files_.
+void RecordSet::add(std::unique_ptr<RecordReader> reader) {
+  const std::string& file = files_[readers_.size()];
+  const RecordHeader& own = reader->header();
+  const RecordHeader& first = readers_.empty() ? own : header();
+  if (differ_in_inputs(first, own))
+    base::refuse(file, "other inputs than " + files_[0] +
+                           ": records of several inputs, as those of a hammer that roves from "
+                           "point to point, are not combined; identify each record by itself, or "
+                           "give the responses to all inputs as one file");
+  if (!same_channels(first, own))
+    base::refuse(file, fmt::format("other channels or another sample rate than {}: records that "
+                                   "are averaged together have the same",
+                                   files_[0]));
+  refuse_other_units(first, own, files_[0], file);
+  counts_.push_back(reader->sample_count());
+  kept_.emplace_back();
+  readers_.push_back(std::move(reader));
 }
 
 RecordSet::RecordSet(RecordSet&&) noexcept = default;
 RecordSet& RecordSet::operator=(RecordSet&&) noexcept = default;
 RecordSet::~RecordSet() = default;
 
-RecordFormat RecordSet::format(std::size_t file) const { return readers_.at(file)->format(); }
+std::optional<RecordFormat> RecordSet::format(std::size_t file) const {
+  const auto& reader = *readers_.at(file);
+  if (is_in_memory(reader)) return {};
+  return reader.format();
+}
 
 const RecordHeader& RecordSet::header(std::size_t file) const {
   return readers_.at(file)->header();
@@ -123,7 +178,8 @@ bool RecordSet::stream_file(std::size_t file, const Use& use) {
   RecordReader& reader = *readers_[file];
   reader.rewind();
   Samples block = make_block(reader.header());
-  Samples all(keeps() ? *counts_[file] : 0, block.cols());
+  const bool kept = keeps() && !is_in_memory(reader);
+  Samples all(kept ? *counts_[file] : 0, block.cols());
   std::int64_t samples = 0;
   while (const std::int64_t rows = reader.read(block)) {
     if (samples + rows <= all.rows()) all.middleRows(samples, rows) = block.topRows(rows);
@@ -132,7 +188,7 @@ bool RecordSet::stream_file(std::size_t file, const Use& use) {
     if (!use(file, block.topRows(rows))) return false;
   }
   counts_[file] = samples;
-  if (samples == all.rows()) kept_[file] = std::move(all);
+  if (kept && samples == all.rows()) kept_[file] = std::move(all);
   return true;
 }
 

@@ -71,7 +71,10 @@ std::string warning_text(const PoseWarning& warning) {
       "{relief}use stiffer screws (legs.screw)",
       "{legs}: the motor can move {limit}, and the load is {force}; expected a higher "
       "legs.screw.torque_limit, a smaller lead or less mass",
-      "{legs}: the motor can push with {force}, and the rod buckles at {limit}"};
+      "{legs}: the motor can push with {force}, and the rod buckles at {limit}",
+      "{legs}: at rest the rod is {millimetres:.3g} mm off the centre of its guide sleeve, farther "
+      "than usual guide rings let it; state their gap and stiffness (legs.guide_sleeve.gap, "
+      "guide_stiffness), else frequencies are those of seals without a guide"};
   const double value = warning.value;
   const std::string mass = mass_text(value), legs = legs_text(warning.legs);
   return fmt::format(
@@ -337,7 +340,7 @@ void describe(Fields& f, PoseWarning& warning) {
       "tilted_rod",     "near_singular", "weak_supply",    "air_pressure",  "rod_buckles",
       "little_reserve", "slender_rod",   "rod_on_guide",   "soft_oil",      "weak_pump",
       "stuck",          "much_friction", "soft_struts",    "soft_screws",   "weak_motor",
-      "slender_screw"};
+      "slender_screw",  "no_gap_stated"};
   f.word("kind", warning.kind, words);
   f("value", warning.value);
   f("ratio", warning.ratio);

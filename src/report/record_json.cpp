@@ -44,7 +44,7 @@ Json record_json(const data::RecordSet& record, const data::RecordOverview& over
   Json json{{"kind", "record"},
             {"hydrapod", base::version},
             {"file", record.files().front()},
-            {"format", data::format_text(record.format())},
+            {"format", record.format() ? Json(data::format_text(*record.format())) : Json()},
             {"title", header.title},
             {"date", header.date},
             {"repeat", header.repeat},

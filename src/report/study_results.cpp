@@ -21,7 +21,9 @@ Json output_json(const study::Column& column, const study::OutputSummary& output
   json["mean_interval"] = interval_json(output.mean_interval);
   json["standard_deviation"] = output.deviation;
   json["least"] = output.least;
+  json["least_row"] = output.least_row;
   json["most"] = output.most;
+  json["most_row"] = output.most_row;
   json["quantiles"] = Json::array();
   for (const auto& quantile : output.quantiles)
     json["quantiles"].push_back({{"probability", quantile.probability},

@@ -194,6 +194,13 @@ std::vector<Column> design_outputs(const DesignProblem& problem) {
   const auto all = all_extra_columns(model::leg_type(problem.machine));
   for (const int extra : extras_of(problem.machine))
     columns.push_back(all[static_cast<std::size_t>(extra)]);
+  for (const auto& own : problem.own) {
+    const auto& name = own.column.name;
+    if (std::ranges::count(columns, name, &Column::name) > 0 ||
+        std::ranges::count(problem.changes, name, &Input::name) > 0)
+      base::refuse("output " + name, "there is such an output or number already");
+    columns.push_back(own.column);
+  }
   return columns;
 }
 
@@ -213,7 +220,8 @@ struct DesignModel::Parts {
   std::vector<Input> changes{};
   std::vector<Column> columns{};
   std::vector<int> wanted{};
-  std::vector<int> extras{};  ///< those that stand behind the problem's outputs
+  std::vector<int> extras{};     ///< those that stand behind the problem's outputs
+  std::vector<OwnOutput> own{};  ///< those behind the extras; without a function: not wanted
   bool statics{}, capability{};
   Problem problem{};
   Model alone{};
@@ -235,9 +243,20 @@ struct DesignModel::Parts {
     std::array<double, Extra::count> extra{};
     extra.fill(missing);
     add_extra(values, extra);
-    const auto own = outputs.last(extras.size());
+    const auto behind = outputs.last(extras.size() + own.size());
     for (std::size_t k = 0; k < extras.size(); ++k)
-      own[k] = extra[static_cast<std::size_t>(extras[k])];
+      behind[k] = extra[static_cast<std::size_t>(extras[k])];
+    for (std::size_t k = 0; k < own.size(); ++k)
+      behind[extras.size() + k] = own_value(own[k], values);
+  }
+
+  [[nodiscard]] double own_value(const OwnOutput& output, std::span<const double> values) const {
+    if (!output.of) return missing;
+    try {
+      return output.of(values, pose);
+    } catch (const base::ComputationError&) {
+      return missing;
+    }
   }
 
   void add_extra(std::span<const double> values, std::span<double> extra) const {
@@ -250,6 +269,12 @@ struct DesignModel::Parts {
         add_abilities(*found, extra);
     } catch (const base::ComputationError&) {  // then they stay without a value
     }
+  }
+
+  /// Those of `own` may be called as they like.
+  [[nodiscard]] OfMode mode_of(int column) const {
+    const auto k = static_cast<std::size_t>(column);
+    return k + own.size() < columns.size() ? of_mode(columns[k].name) : OfMode{};
   }
 
   ModesAndDerivatives modes(std::span<const double> values, ModelKind of) const;
@@ -270,9 +295,15 @@ DesignModel::DesignModel(const DesignProblem& problem, const model::NamedPose& p
   parts.columns = problem.outputs;
   parts.wanted = std::move(wanted);
   parts.extras = extras_of(problem.machine);
-  const auto first_extra = static_cast<int>(problem.outputs.size() - parts.extras.size());
+  parts.own = problem.own;
+  const auto first_own = static_cast<int>(problem.outputs.size() - parts.own.size());
+  const auto first_extra = first_own - static_cast<int>(parts.extras.size());
+  for (std::size_t k = 0; k < parts.own.size(); ++k)
+    if (std::ranges::count(parts.wanted, first_own + static_cast<int>(k)) == 0)
+      parts.own[k].of = {};
   bool buckling = false;
   for (const int column : parts.wanted) {
+    if (column >= first_own) continue;
     const int extra =
         column < first_extra ? -1 : parts.extras[static_cast<std::size_t>(column - first_extra)];
     buckling = buckling || problem.outputs[static_cast<std::size_t>(column)].name == "buckling";
@@ -374,7 +405,7 @@ DesignModel::Derivatives DesignModel::derivatives(std::span<const double> values
   std::optional<ModesAndDerivatives> flexible, rigid;
   bool any = false, drop = false;
   for (const int column : parts.wanted) {
-    const auto which = of_mode(parts.columns[static_cast<std::size_t>(column)].name);
+    const auto which = parts.mode_of(column);
     any = any || which.any;
     drop = drop || which.drop;
   }
@@ -387,7 +418,7 @@ DesignModel::Derivatives DesignModel::derivatives(std::span<const double> values
   bool all = true;
   for (std::size_t k = 0; k < parts.wanted.size(); ++k) {
     const int column = parts.wanted[k];
-    const auto which = of_mode(parts.columns[static_cast<std::size_t>(column)].name);
+    const auto which = parts.mode_of(column);
     std::optional<Eigen::RowVectorXd> slope;
     if (which.any && flexible && std::isfinite(outputs[static_cast<std::size_t>(column)]))
       slope = parts.mode_derivative(which, outputs, column, *flexible, rigid ? &*rigid : nullptr);

@@ -50,12 +50,15 @@ struct Moments {
   std::uint64_t count{};
   double mean{}, squares{};
   double least{std::numeric_limits<double>::infinity()}, most{-least};
+  std::uint64_t least_row{}, most_row{};
 
-  void add(double value) {
+  void add(double value, std::uint64_t row) {
     ++count;
     const double off = value - mean;
     mean += off / static_cast<double>(count);
     squares += off * (value - mean);
+    if (value < least) least_row = row;
+    if (value > most) most_row = row;
     least = std::min(least, value);
     most = std::max(most, value);
   }
@@ -82,7 +85,7 @@ struct FirstPass {
     }
     if (!is_sample(plan, problem.inputs.size(), row)) return;
     for (std::size_t k = part; k < outputs.size(); k += parts)
-      if (std::isfinite(outputs[k])) moments[k].add(outputs[k]);
+      if (std::isfinite(outputs[k])) moments[k].add(outputs[k], row);
     for (std::size_t k = part; k < requirements.size(); k += parts) judge(k, row, outputs);
   }
 
@@ -104,7 +107,9 @@ OutputSummary output_summary(const Moments& moments, bool independent) {
                        .mean = moments.mean,
                        .deviation = moments.deviation(),
                        .least = moments.least,
-                       .most = moments.most};
+                       .most = moments.most,
+                       .least_row = moments.least_row,
+                       .most_row = moments.most_row};
   if (independent && moments.count > 1) {
     const auto degrees =
         static_cast<int>(std::min<std::uint64_t>(moments.count - 1, 1'000'000'000));

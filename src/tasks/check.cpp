@@ -301,6 +301,18 @@ void warn_of_air(const model::Machine& machine, const CheckOptions& options, Pos
   if (!other.legs.empty()) result.warnings.push_back(other);
 }
 
+/// Rods that would lie on their guide rings, if the file said where these are.
+void warn_of_offsets(const CheckOptions& options, PoseCheck& result) {
+  report::PoseWarning far{.kind = Kind::no_gap_stated};
+  for (int i = 0; i < model::leg_count; ++i) {
+    const auto& leg = result.legs[i];
+    if (leg.gap || !(leg.sleeve_offset > options.large_offset)) continue;
+    far.value = std::max(far.value, leg.sleeve_offset);
+    far.legs.push_back(i);
+  }
+  if (!far.legs.empty()) result.warnings.push_back(far);
+}
+
 void warn_of_legs(const model::Machine& machine, const CheckOptions& options, PoseCheck& result) {
   const auto& legs = result.legs;
   warn_below(
@@ -317,6 +329,7 @@ void warn_of_legs(const model::Machine& machine, const CheckOptions& options, Po
       [&](int i) { return options.short_guide * machine.legs[i].rod.length; });
   if (!result.equilibrium) return;
   warn_of_contact(result);
+  warn_of_offsets(options, result);
   warn_below(
       result, Kind::tilted_rod, [&](int i) { return -legs[i].tilt; },
       [&](int) { return -options.large_tilt; });

@@ -88,9 +88,11 @@ void verify(const DesignJob& job, Designed& designed) {
 }  // namespace
 
 DesignJob prepare_design(const Machine& machine, const DesignOptions& options) {
-  DesignJob job{
-      .machine = machine,
-      .problem = {.machine = machine.file.machine, .kind = machine.kind, .poses = options.poses}};
+  DesignJob job{.machine = machine,
+                .problem = {.machine = machine.file.machine,
+                            .kind = machine.kind,
+                            .poses = options.poses,
+                            .own = options.own}};
   auto& problem = job.problem;
   if (problem.poses.empty()) problem.poses = {machine.pose};
   std::vector<base::Diagnostic> errors;

@@ -136,7 +136,10 @@ identification::MeasureOptions estimate_options(const MeasureOptions& options,
 /// The records opened, the machine that was measured found.
 Measured opened(const MeasureOptions& options) {
   Measured measured;
-  measured.records.emplace(options.files, data::ReadOptions{.sample_rate = options.sample_rate});
+  if (options.records.empty())
+    measured.records.emplace(options.files, data::ReadOptions{.sample_rate = options.sample_rate});
+  else
+    measured.records.emplace(options.records, options.files);
   measured.from_accelerometers = options.accelerometers || !options.sensors.empty();
   measured.header = measured.records->header();
   measured.machine = measured_machine(options, measured.experiment());
@@ -353,36 +356,46 @@ void or_warn(const std::string& file, const char* what, Diagnostics& warnings, c
   }
 }
 
+/// A record or responses. Throws base::InputError where the file holds neither.
+data::FileKind kind_of_measurement(const std::string& path) {
+  const auto kind = data::file_kind(path);
+  if (kind == data::FileKind::mode_table || kind == data::FileKind::toml)
+    base::refuse(path, fmt::format("holds {}; expected records, or responses of `hydrapod frf`",
+                                   kind == data::FileKind::toml ? "no measurement, as TOML"
+                                                                : "a table of frequencies"));
+  refuse_modal_results(path);
+  return kind;
+}
+
+/// The file of responses.
+Measured responses_read(const MeasureOptions& options, data::FileKind kind) {
+  const auto& path = options.files.front();
+  if (options.files.size() > 1)
+    base::refuse(options.files[1],
+                 "only records are averaged: give one file of frequency responses");
+  const auto needs_record = [&](const char* option) {
+    base::refuse(option, fmt::format("needs a record; {} holds responses", path));
+  };
+  if (options.output_only) needs_record("--output-only");
+  if (options.estimate.whole_record.value_or(false)) needs_record("--whole-record");
+  auto measured = kind == data::FileKind::json
+                      ? responses_from(parsed_json(path, {"\"frf\""}), path)
+                      : responses_of_file(path);
+  if (options.estimate.for_modes) check_motions(path, measured);
+  measured.machine = measured_machine(options, measured.experiment());
+  take_out_window(options, measured);
+  return measured;
+}
+
 }  // namespace
 
 Measured frf(const MeasureOptions& options, const Progress& progress) {
-  const auto& first = options.files.at(0);
-  const bool whole_record = options.estimate.whole_record.value_or(false);
-  if (whole_record && !options.estimate.for_modes)
+  if (options.estimate.whole_record.value_or(false) && !options.estimate.for_modes)
     base::refuse("--whole-record",
                  "is for modes, with `hydrapod identify`; responses are averages of blocks");
-  const auto kind = data::file_kind(first);
-  if (kind == data::FileKind::json || kind == data::FileKind::frequency_responses) {
-    if (options.files.size() > 1)
-      base::refuse(options.files[1],
-                   "only records are averaged: give one file of frequency responses");
-    if (options.output_only)
-      base::refuse("--output-only", fmt::format("needs a record; {} holds responses", first));
-    if (whole_record)
-      base::refuse("--whole-record", fmt::format("needs a record; {} holds responses", first));
-    auto measured = kind == data::FileKind::json
-                        ? responses_from(parsed_json(first, {"\"frf\""}), first)
-                        : responses_of_file(first);
-    if (options.estimate.for_modes) check_motions(first, measured);
-    measured.machine = measured_machine(options, measured.experiment());
-    take_out_window(options, measured);
-    return measured;
-  }
-  if (kind == data::FileKind::mode_table || kind == data::FileKind::toml)
-    base::refuse(first, fmt::format("holds {}; expected records, or responses of `hydrapod frf`",
-                                    kind == data::FileKind::toml ? "no measurement, as TOML"
-                                                                 : "a table of frequencies"));
-  refuse_modal_results(first);
+  if (options.records.empty())
+    if (const auto kind = kind_of_measurement(options.files.at(0)); kind != data::FileKind::record)
+      return responses_read(options, kind);
   auto measured = opened(options);
   const auto estimate = estimate_options(options, measured);
   measured.measurement =

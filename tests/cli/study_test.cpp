@@ -5,7 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <random>
 
@@ -25,6 +27,24 @@ std::vector<std::string> montecarlo(const std::vector<std::string>& more) {
                                "legs.guide_sleeve.stiffness=normal ± 7 % per leg"};
   all.insert(all.end(), more.begin(), more.end());
   return all;
+}
+
+/// The columns of a CSV of rows by their titles; cells without a number are NaN.
+std::map<std::string, std::vector<double>> columns_of_rows(const std::string& path) {
+  std::map<std::string, std::vector<double>> columns;
+  std::vector<std::string> titles;
+  for (const auto& line : base::split(test::read_text(path), "\n")) {
+    if (line.empty() || line.starts_with('#')) continue;
+    const auto cells = base::split(line, ",");
+    if (titles.empty()) {
+      titles = cells;
+      continue;
+    }
+    for (std::size_t k = 0; k < titles.size(); ++k)
+      columns[titles[k]].push_back(k < cells.size() && !cells[k].empty() ? std::stod(cells[k])
+                                                                         : std::nan(""));
+  }
+  return columns;
 }
 
 /// Killed at random moments, and resumed until it is complete.
@@ -207,6 +227,32 @@ TEST(Studies, TheWorstRowHasAValue) {
   ASSERT_EQ(map.exit_code, 0) << map.err;
   EXPECT_THAT(map.out, testing::ContainsRegex("worst for lowest >= 4 Hz: row [23], lowest = "));
   EXPECT_THAT(map.out, testing::Not(HasSubstr("nan")));
+}
+
+/// The pose of the lowest mode and others, without a requirement: the numbers are those of the
+/// rows.
+TEST(Studies, MapsNameTheirWorstPoses) {
+  const test::TemporaryFolder folder;
+  const auto heavy = test::source_file("models/heavy-platform.toml").string();
+  const auto map = test::run_hydrapod({"map", heavy, "--over", "x=-60:60:4 mm", "--over",
+                                       "rz=-2:3:3 deg", "--csv", (folder / "map.csv").string(),
+                                       "--results", (folder / "map.h5").string()});
+  ASSERT_EQ(map.exit_code, 0) << map.err;
+  const auto rows = columns_of_rows(folder / "map.csv");
+  for (const auto& [words, column, most] : {std::tuple{"lowest frequency", "lowest [Hz]", false},
+                                            {"largest drop", "drop [1]", true},
+                                            {"largest condition", "condition [1]", true},
+                                            {"least stroke left", "stroke [m]", false}}) {
+    const auto& values = rows.at(column);
+    const auto at = most ? std::ranges::max_element(values) : std::ranges::min_element(values);
+    const auto row = at - values.begin();
+    EXPECT_THAT(map.out, HasSubstr(fmt::format("{}: {:.4g}", words, *at)));
+    EXPECT_THAT(map.out, HasSubstr(fmt::format(
+                             "x = {:.5g} m, rz = {:.5g} rad (row {})",
+                             rows.at("pose.x [m]")[static_cast<std::size_t>(row)],
+                             rows.at("pose.rz [rad]")[static_cast<std::size_t>(row)], row)))
+        << words;
+  }
 }
 
 /// A table that cannot be written costs neither the results nor a file that nobody names.

@@ -4,9 +4,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
 #include <limits>
 
+#include "hydrapod/base/error.hpp"
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/kinematics/legs.hpp"
 #include "hydrapod/modal/normal_modes.hpp"
@@ -212,6 +214,51 @@ TEST(Design, EndsAtAJumpAndSaysSo) {
   EXPECT_EQ(found.limits[0].requirement, 0);
   EXPECT_FALSE(found.limits[0].price.has_value());
   EXPECT_NEAR(found.limits[0].beyond, rz(low), 1e-2);
+}
+
+/// The distance of the machine from numbers at which it is zero: its least is there, and within a
+/// circle about them the largest mass is at its rim. Where it is unknown no design may be.
+TEST(Design, TakesOutputsOfOnesOwn) {
+  const auto file = published("0");
+  const auto changes = std::vector{change(file, "legs.guide_sleeve.stiffness", 2.3e5, 2.3e6),
+                                   change(file, "platform.mass", 731.0, 1137.0)};
+  constexpr double k_0 = 1.37e6, m_0 = 893.0, rim = 0.23;
+  DesignProblem problem{.machine = file.machine,
+                        .kind = ModelKind::guide,
+                        .poses = {moved(file.machine, 0.0, 0.0), moved(file.machine, 0.02, 0.0)},
+                        .changes = changes};
+  std::atomic<int> calls = 0;
+  const auto distance = [&](std::span<const double> values, const model::NamedPose& pose) {
+    ++calls;
+    if (values[1] > 1100.0) throw base::ComputationError("too heavy for the crane");
+    const double off = pose.name == problem.poses[1].name ? 0.0 : 0.011;  // there it is less
+    return std::hypot(values[0] / k_0 - 1.0, values[1] / m_0 - 1.0) - off;
+  };
+  problem.own = {{.column = {"mode of transport", "1", "distance"}, .of = distance},
+                 {.column = {"not wanted", "1", ""}, .of = [](auto, const auto&) -> double {
+                    throw std::logic_error("not asked for");
+                  }}};
+  problem.outputs = design_outputs(problem);
+  EXPECT_EQ(problem.outputs[problem.outputs.size() - 2].name, "mode of transport");
+  const int own = static_cast<int>(problem.outputs.size()) - 2;
+  problem.aims = {{.text = "nearest", .name = "mode of transport", .output = own}};
+  const auto nearest = design(problem, {.samples = 200, .starts = 2});
+  ASSERT_TRUE(nearest.best.computed);
+  EXPECT_NEAR(nearest.best.values[0], k_0, 1e-4 * k_0);
+  EXPECT_NEAR(nearest.best.values[1], m_0, 1e-4 * m_0);
+  EXPECT_GT(calls, 200);
+
+  problem.requirements = {{.text = "within", .output = own, .bound = rim}};
+  problem.aims = {{.text = "heaviest", .name = "platform.mass", .maximise = true, .change = 1}};
+  const auto heaviest = design(problem, {.samples = 200, .starts = 2});
+  ASSERT_TRUE(heaviest.best.feasible);
+  EXPECT_NEAR(heaviest.best.values[1], m_0 * (1.0 + rim), 1e-4 * m_0);
+  EXPECT_EQ(heaviest.best.pose[0], 1) << "the pose where it is farther";
+
+  problem.own[0].column.name = "platform.mass";
+  EXPECT_THROW(design_outputs(problem), base::InputError);
+  problem.own[0].column.name = "drop_rz";
+  EXPECT_THROW(design_outputs(problem), base::InputError);
 }
 
 TEST(Design, SaysHowFarWhatCannotBeMetCanCome) {

@@ -45,6 +45,27 @@ TEST(CheckOfOilSprings, HasThoseOfTheModes) {
   EXPECT_GT(most, 1e-6);  // it would be seen
 }
 
+/// A rod that hangs in its seals alone, farther from the axis than any guide ring is.
+TEST(CheckOfOffsets, SaysThatAGuideIsNotStated) {
+  using Kind = report::PoseWarning::Kind;
+  const auto warnings_of = [](const std::vector<std::string>& changes, Kind kind) {
+    auto found = check_of(simulation::machine_of("heavy-platform", changes)).warnings;
+    std::erase_if(found, [&](const auto& warning) { return warning.kind != kind; });
+    return found;
+  };
+  const auto found = warnings_of({}, Kind::no_gap_stated);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].legs, (std::vector{0, 1, 2, 3, 4, 5}));
+  EXPECT_NEAR(found[0].value, 3.422e-3, 1e-6);
+  const std::string gap = "legs.guide_sleeve.gap=0.2 mm",
+                    guide = "legs.guide_sleeve.guide_stiffness=5e7";
+  EXPECT_TRUE(warnings_of({gap, guide}, Kind::no_gap_stated).empty());
+  EXPECT_EQ(warnings_of({gap, guide}, Kind::rod_on_guide).size(), 1U);
+  EXPECT_TRUE(warnings_of({"environment.gravity=0"}, Kind::no_gap_stated).empty());
+  const std::string stiff = "legs.guide_sleeve.stiffness=2e7";
+  EXPECT_TRUE(warnings_of({stiff}, Kind::no_gap_stated).empty());
+}
+
 TEST(CheckOfElastomers, HasTheOffsetsOfSealsUnderPressure) {
   auto machine = symmetric_machine(9.81);
   for (auto& leg : machine.legs) {

@@ -8,6 +8,8 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <limits>
+#include <memory>
 
 #include "exact/modal_system.hpp"
 #include "hydrapod/data/record_io.hpp"
@@ -86,6 +88,63 @@ TEST(Measured, AccelerometersAreTurnedAsTheRecordedPoseSays) {
   ASSERT_GT(responses.lines(), 10U);
   for (const auto& H : responses.H)
     EXPECT_LT((H.col(0) - expected.cast<std::complex<double>>()).norm(), 1e-9 * expected.norm());
+}
+
+/// From memory a record gives the bits that its file gives, in modes too.
+TEST(Measured, RecordsInMemoryAreAsTheirFiles) {
+  const TemporaryFolder folder;
+  const auto record = std::make_shared<data::Record>(
+      accelerated({0.17, -0.29, 0.23}, {1.3e-4, -0.7e-4, 2.1e-4}, {0.4e-4, 0.0, 0.1e-4}));
+  Random random(31);
+  for (double& sample : record->samples.reshaped()) sample += 1e-3 * normal(random);
+  record->samples(1234, 3) = std::numeric_limits<double>::quiet_NaN();
+  data::write_record(folder / "run.h5", *record, data::RecordFormat::hdf5);
+  tasks::MeasureOptions of_file{.files = {folder / "run.h5"}, .accelerometers = true};
+  auto of_memory = of_file;
+  of_memory.files = {"the run"};
+  of_memory.records = {record};
+  const auto from_file = tasks::frf(of_file), from_memory = tasks::frf(of_memory);
+  ASSERT_GT(from_file.responses().lines(), 10U);
+  ASSERT_EQ(from_memory.responses().lines(), from_file.responses().lines());
+  for (std::size_t k = 0; k < from_file.responses().lines(); ++k) {
+    EXPECT_EQ(from_memory.responses().H[k], from_file.responses().H[k]);
+    EXPECT_EQ(from_memory.responses().noise[k], from_file.responses().noise[k]);
+  }
+  EXPECT_EQ(from_memory.machine->path, "the run (machine)");
+  of_memory.records.push_back(record);
+  of_memory.files.push_back("again");
+  try {
+    tasks::frf(of_memory);
+    FAIL() << "it would count twice";
+  } catch (const base::InputError& error) {
+    EXPECT_STREQ(error.what(),
+                 "again: error: is given twice, as the run before; it would count twice");
+  }
+}
+
+TEST(RecordSet, OfMemoryAsksForWhatHoldsTogether) {
+  const auto record = std::make_shared<data::Record>(
+      accelerated({0.17, -0.29, 0.23}, {1.3e-4, -0.7e-4, 2.1e-4}, {0.4e-4, 0.0, 0.1e-4}));
+  const auto other = std::make_shared<data::Record>(*record);
+  other->header.channels.back().name = "b5";
+  EXPECT_THROW(data::RecordSet({record, other}, {"one", "two"}), base::InputError);
+  EXPECT_THROW(data::RecordSet({record}, {"one", "two"}), std::invalid_argument);
+  other->header.channels.pop_back();
+  EXPECT_THROW(data::RecordSet({other}, {"two"}), std::invalid_argument);
+  data::RecordSet set({record}, {"one"});
+  EXPECT_FALSE(set.format());
+  EXPECT_EQ(set.sample_count(), record->samples.rows());
+  set.take_as_missing({{.file = 0, .channel = 2, .begin = 17, .end = 19}});
+  std::int64_t missing = 0, rows = 0;
+  for (int pass = 0; pass < 2; ++pass)
+    set.stream([&](std::size_t, const Eigen::Ref<const data::Samples>& block) {
+      missing += block.array().isNaN().count();
+      rows += block.rows();
+      return true;
+    });
+  EXPECT_EQ(missing, 2 * 2);
+  EXPECT_EQ(rows, 2 * record->samples.rows());
+  EXPECT_FALSE(record->samples.array().isNaN().any()) << "the record itself is as it was";
 }
 
 /// Volts of sensors of other sensitivities would make motions that nobody made.

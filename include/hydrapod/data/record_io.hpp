@@ -130,12 +130,17 @@ class RecordSet {
   /// Throws base::InputError for a file that is no record, for one that is named twice, and for one
   /// whose channels or sample rate are not those of the first; std::invalid_argument for no file.
   explicit RecordSet(std::vector<std::string> files, const ReadOptions& options = {});
+  /// The same of records in memory, whose samples are not copied. `names` stand for files in
+  /// messages. Throws as the other, and std::invalid_argument for a header that does not hold, for
+  /// samples of another number of columns, and for other numbers of names than of records.
+  RecordSet(std::vector<std::shared_ptr<const Record>> records, std::vector<std::string> names);
   RecordSet(RecordSet&&) noexcept;
   RecordSet& operator=(RecordSet&&) noexcept;
   ~RecordSet();
 
   [[nodiscard]] const std::vector<std::string>& files() const { return files_; }
-  [[nodiscard]] RecordFormat format(std::size_t file = 0) const;
+  /// Nothing for a record in memory.
+  [[nodiscard]] std::optional<RecordFormat> format(std::size_t file = 0) const;
   /// Of a file; title, notes and experiment of the set are those of the first.
   [[nodiscard]] const RecordHeader& header(std::size_t file = 0) const;
   [[nodiscard]] const Experiment& experiment() const { return header().experiment; }
@@ -172,6 +177,7 @@ class RecordSet {
   [[nodiscard]] const std::vector<Stretch>& taken_as_missing() const { return missing_; }
 
  private:
+  void add(std::unique_ptr<RecordReader> reader);
   bool stream_file(std::size_t file, const Use& use);
   bool stream_kept(std::size_t file, const Use& use) const;
   [[nodiscard]] bool keeps() const;

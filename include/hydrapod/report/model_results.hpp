@@ -84,7 +84,8 @@ struct PoseWarning {
     soft_struts,    ///< the machine on its struts is unstable; value: mass that must come off [kg]
     soft_screws,    ///< the same of electric cylinders with rigid guides
     weak_motor,     ///< value: static force [N]; ratio: what the motor can give against it [N]
-    slender_screw   ///< value: push of the motor [N]; ratio: what the leg bears as a column [N]
+    slender_screw,  ///< value: push of the motor [N]; ratio: what the leg bears as a column [N]
+    no_gap_stated   ///< value: static offset at a guide sleeve whose gap is not stated [m]
   };
   Kind kind{};
   double value{};           ///< of the worst leg

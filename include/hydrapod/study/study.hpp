@@ -251,6 +251,7 @@ struct QuantileEstimate {
 struct OutputSummary {
   std::uint64_t count{};  ///< finite values
   double mean{}, deviation{}, least{}, most{};
+  std::uint64_t least_row{}, most_row{};    ///< the first ones with these
   std::optional<Interval> mean_interval{};  ///< Student, 95 %
   std::vector<QuantileEstimate> quantiles{};
 };
@@ -365,11 +366,19 @@ struct Aim {
   int output{-1}, change{-1};  ///< one of them is set
 };
 
+/// A number of one's own of a design, whose values [SI] are those of the changes, at a pose. Called
+/// from several threads; base::ComputationError and NaN: it has none.
+struct OwnOutput {
+  Column column{};
+  std::function<double(std::span<const double> values, const model::NamedPose& pose)> of{};
+};
+
 struct DesignProblem {
   model::Machine machine{};
   dynamics::ModelKind kind{};
   std::vector<model::NamedPose> poses{};
-  std::vector<Input> changes{};   ///< uniform distributions; their ends are the bounds
+  std::vector<Input> changes{};  ///< uniform distributions; their ends are the bounds
+  std::vector<OwnOutput> own{};
   std::vector<Column> outputs{};  ///< see design_outputs()
   std::vector<Requirement> requirements{};
   std::vector<Aim> aims{};  ///< one; two for a trade-off
@@ -378,7 +387,8 @@ struct DesignProblem {
 /// Outputs of machine_problem(), `buckling` among them, then those of these that the machine has:
 /// `power` of the pump, `sag` (largest static offset of a rod at its guide sleeve), `oil_force`
 /// (largest static one of a leg, of a strut or screw where it has no oil), and `force_x` …
-/// `excursion_rz` (simulation/capability.hpp, both senses). The rest of `problem` may be empty yet.
+/// `excursion_rz` (simulation/capability.hpp, both senses), then those of `own`. The rest of
+/// `problem` may be empty yet. Throws base::InputError for one of `own` named as another.
 std::vector<Column> design_outputs(const DesignProblem& problem);
 
 /// Frequencies of studies: "undamped"; with elastomers "damped", as all of `hydrapod modes` are.

@@ -94,6 +94,9 @@ struct CheckOptions {
   double short_guide{0.05};
   /// Static tilt of a rod > large_tilt [rad]: 20 mm aside per metre of rod, a rod that leans.
   double large_tilt{0.02};
+  /// Static offset of a rod at its guide sleeve > large_offset [m] where no gap is stated: guide
+  /// rings are nearer than that (extrusion gaps of rod seals are some 0.2 mm).
+  double large_offset{0.5e-3};
   /// Condition of the Jacobian > poor_condition: relative errors of forces grow by up to this
   /// factor, two digits, far before kinematics::singular_condition.
   double poor_condition{100.0};

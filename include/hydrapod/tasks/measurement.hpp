@@ -8,6 +8,8 @@
 /// What one task writes every task that can use it reads. A file is recognised by what it holds:
 /// modes (TOML, CSV, JSON of identify or modes), responses (JSON of frf, Universal File), records.
 
+#include <memory>
+
 #include "hydrapod/identification/cross_check.hpp"
 #include "hydrapod/identification/identify.hpp"
 #include "hydrapod/identification/responses.hpp"
@@ -18,7 +20,9 @@ namespace hydrapod::tasks {
 
 /// Records, or one file of responses, and how responses are estimated from records.
 struct MeasureOptions {
-  std::vector<std::string> files{};     ///< records are averaged together
+  std::vector<std::string> files{};  ///< records are averaged together
+  /// Records in memory in place of files; `files` are then their names, for messages.
+  std::vector<std::shared_ptr<const data::Record>> records{};
   std::optional<double> sample_rate{};  ///< [Hz] for files that do not tell it
   /// `platform` and `outputs_to_platform` follow from the machine.
   identification::MeasureOptions estimate{};

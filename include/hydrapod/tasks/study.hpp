@@ -106,6 +106,7 @@ struct DesignOptions {
   std::vector<std::string> want{};        ///< "x >= 6 Hz"
   std::vector<WantedAim> aims{};          ///< one, or two for a trade-off
   std::vector<model::NamedPose> poses{};  ///< none: the machine's own
+  std::vector<study::OwnOutput> own{};    ///< outputs of one's own, for `want` and `aims`
 };
 
 /// A design that can be sought; everything that a user said has been read.
