@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numbers>
 #include <regex>
 #include <stdexcept>
 
@@ -249,6 +250,51 @@ std::vector<std::string> require_possible(const Machine& machine, const ClosedLo
   throw base::InputError(errors);
 }
 
+/// "x=3 mm, ry=0.5 deg".
+std::string displacement_text(const spatial::Vector6& value) {
+  constexpr double degrees = 180.0 / std::numbers::pi, smallest = 1e-6;
+  std::vector<std::string> parts;
+  for (int d = 0; d < 6; ++d)
+    if (std::abs(value[d]) > smallest)
+      parts.push_back(fmt::format("{}={:.3g} {}", spatial::direction_names.at(d),
+                                  value[d] * (d < 3 ? 1e3 : degrees), d < 3 ? "mm" : "deg"));
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+/// The first place of the command at which the machine does not stand, though it does at its pose:
+/// the legs buckle there, and the loop is unstable. At most 500 places are looked at.
+std::optional<std::string> loss_of_rest(const Machine& machine, const ClosedLoop& loop,
+                                        signals::Generator& signal, double until) {
+  const auto& of = machine.file.machine;
+  if (machine.kind == dynamics::ModelKind::rigid || of.gravity.isZero(0.0)) return {};
+  const auto falls = [&](const spatial::Pose& X_BP, bool controlled) {
+    try {
+      return !simulation::instability(of, X_BP, machine.kind, controlled, &loop.parameters())
+                  .empty();
+    } catch (const base::ComputationError&) {  // no equilibrium at all
+      return true;
+    }
+  };
+  const double T = loop.parameters().sample_time;
+  const long samples = std::lround(until / T),
+             every = std::max(std::lround(0.01 / T), samples / 500);
+  signal.restart();
+  std::optional<std::string> found;
+  for (long k = 0; k <= samples && !found; ++k) {
+    const auto command = signal.next();
+    if (k % std::max(every, 1L) != 0 || command.value.isZero(0.0)) continue;
+    const auto X_BP = simulation::command_at(machine.pose.X_BP, command).X_BP;
+    if (falls(X_BP, false) && falls(X_BP, true))
+      found = fmt::format(
+          "the legs buckle where the command is at {:.3g} s, {}: the platform does "
+          "not stay there; `hydrapod check` of that pose states the load that the "
+          "legs carry",
+          static_cast<double>(k) * T, displacement_text(command.value));
+  }
+  signal.restart();
+  return found;
+}
+
 /// The drives change at each sample, and no step goes on beyond a change.
 void note_shorter_steps(const ClosedLoop& loop, const simulation::IntegratorOptions& integrator,
                         std::vector<std::string>& warnings) {
@@ -326,6 +372,9 @@ report::Simulation simulate(const Machine& machine, const SimulateOptions& optio
         require_possible(machine, loop, options.commands, commands, signal, result.until);
   if (auto why = simulation::instability(loop); !why.empty())
     result.warnings.push_back(std::move(why));
+  else if (result.loop.actuators == simulation::Actuators::controlled)
+    if (auto lost = loss_of_rest(machine, loop, signal, result.until))
+      result.warnings.push_back(std::move(*lost));
   note_shorter_steps(loop, result.loop.integrator, result.warnings);
   if (result.loop.actuators != simulation::Actuators::springs)
     if (auto note = note_on_sticking_seals(of)) result.warnings.push_back(std::move(*note));

@@ -244,6 +244,22 @@ TEST(Simulate, RefusesAMotionThatLeavesTheWorkspace) {
   EXPECT_FALSE(std::filesystem::exists(path));
 }
 
+/// 20 mm higher the heavy machine's legs buckle under their load, 5 mm higher they do not.
+TEST(Simulate, SaysWhereTheCommandLeavesWhatTheLegsHold) {
+  const auto err = [](const char* command, const char* more) {
+    return run_hydrapod({"simulate", model("heavy-platform"), "--command", command, "--until",
+                         "0.6", "--set", more})
+        .err;
+  };
+  const std::string same = "environment.gravity=9.80665";
+  EXPECT_THAT(err("step z=20 mm", same.c_str()),
+              HasSubstr("warning: the legs buckle where the command is at 0.1 s, z=20 mm: "));
+  EXPECT_THAT(err("step z=20 mm, rx=0.1 deg, at=0.3", same.c_str()),
+              HasSubstr("at 0.3 s, z=20 mm, rx=0.1 deg: "));
+  EXPECT_THAT(err("step z=5 mm", same.c_str()), testing::Not(HasSubstr("buckle")));
+  EXPECT_THAT(err("step z=20 mm", "environment.gravity=0"), testing::Not(HasSubstr("buckle")));
+}
+
 /// Six legs and their joints are beyond their limits for one cause.
 TEST(Simulate, GuessesTheUnitOfACommandThatCannotBe) {
   const auto err = [](const char* command) {
