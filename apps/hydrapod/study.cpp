@@ -280,7 +280,7 @@ void report_study(const Arguments& arguments, const tasks::StudyJob& job,
   rows.close_csv(done.complete);
   if (!arguments.worst.empty()) write_worst(job, *done.summary, arguments.worst);
   draw(arguments.plot, [&](const auto& path) {
-    plot_map(job, arguments.over, arguments.value, rows.values(), path);
+    plot_map(job, arguments.over, arguments.value, rows, path);
   });
   const auto style = table_style(arguments.output);
   const auto no_drop = study::why_no_output(job.machine.file.machine, job.machine.kind, "drop");

@@ -32,8 +32,7 @@ model::WrittenUnit unit_of_range(const std::string& range, const std::string& pa
 }  // namespace
 
 void plot_map(const tasks::StudyJob& job, const std::vector<std::string>& ranges,
-              const std::string& value, const std::vector<double>& values,
-              const std::string& path) {
+              const std::string& value, const StudyRows& rows, const std::string& path) {
   const auto found = std::ranges::find(job.problem.outputs, value, &study::Column::name);
   const auto axis = [&](std::size_t k, std::vector<double>& along) {
     const auto& input = job.problem.inputs[k];
@@ -48,8 +47,11 @@ void plot_map(const tasks::StudyJob& job, const std::vector<std::string>& ranges
   const std::string kind =
       found->unit == "Hz" ? ", " + study::frequency_kind(job.machine.file.machine) : "";
   report::Field field{.name = fmt::format("{}{} [{}]", found->name, kind, found->unit),
-                      .values = values};
-  field.values.resize(job.rows, std::numeric_limits<double>::quiet_NaN());
+                      .values = rows.values(),
+                      .stroke_left = rows.stroke_left()};
+  constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+  field.values.resize(job.rows, unknown);
+  if (!field.stroke_left.empty()) field.stroke_left.resize(job.rows, unknown);
   field.x_name = axis(0, field.x);
   field.y_name = axis(1, field.y);
   const auto output = static_cast<int>(found - job.problem.outputs.begin());

@@ -59,8 +59,13 @@ StudyRows::StudyRows(const tasks::StudyJob& job, std::string csv, const std::str
     above += '\n';
   }
   const auto& outputs = job.problem.outputs;
-  if (const auto at = std::ranges::find(outputs, output, &study::Column::name); at != outputs.end())
-    output_ = job.problem.inputs.size() + static_cast<std::size_t>(at - outputs.begin());
+  const auto column_of = [&](const std::string& name) -> std::optional<std::size_t> {
+    const auto at = std::ranges::find(outputs, name, &study::Column::name);
+    if (at == outputs.end()) return {};
+    return job.problem.inputs.size() + static_cast<std::size_t>(at - outputs.begin());
+  };
+  output_ = column_of(output);
+  if (output_) stroke_ = column_of("stroke");
   for (std::size_t k = 0; k < job.problem.inputs.size(); ++k)
     titles_ += fmt::format("{}{} [{}]", titles_.empty() ? "" : ",", job.input_column(k),
                            job.problem.inputs[k].unit);
@@ -69,8 +74,12 @@ StudyRows::StudyRows(const tasks::StudyJob& job, std::string csv, const std::str
 }
 
 void StudyRows::take(std::span<const double> rows) {
-  if (output_)
-    for (std::size_t at = *output_; at < rows.size(); at += width_) values_.push_back(rows[at]);
+  const auto keep = [&](const std::optional<std::size_t>& column, std::vector<double>& kept) {
+    for (std::size_t at = column.value_or(rows.size()); at < rows.size(); at += width_)
+      kept.push_back(rows[at]);
+  };
+  keep(output_, values_);
+  keep(stroke_, stroke_left_);
   if (csv_.empty()) return;
   if (!file_) open_csv();
   fmt::memory_buffer text;

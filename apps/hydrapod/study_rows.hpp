@@ -38,6 +38,8 @@ class StudyRows {
   void close_csv(bool complete);
   /// Of the output that is mapped; NaN where a row has none, fewer than rows after an interruption.
   [[nodiscard]] const std::vector<double>& values() const { return values_; }
+  /// Of the output `stroke` beside it; empty without one.
+  [[nodiscard]] const std::vector<double>& stroke_left() const { return stroke_left_; }
 
  private:
   void open_csv();
@@ -49,8 +51,8 @@ class StudyRows {
 
   std::string csv_, titles_{};
   std::size_t width_;
-  std::optional<std::size_t> output_{};  ///< its column
-  std::vector<double> values_{};
+  std::optional<std::size_t> output_{}, stroke_{};  ///< their columns
+  std::vector<double> values_{}, stroke_left_{};
   std::optional<base::PartFile> part_{};
   std::unique_ptr<std::FILE, Close> file_{};
 };

@@ -28,9 +28,6 @@ struct Frame {
   const Field& field;
   double dx, dy;  ///< half a cell
 
-  [[nodiscard]] double value(std::size_t i, std::size_t j) const {
-    return field.values[i * field.y.size() + j];
-  }
   /// [pixels] from the upper left of the picture.
   [[nodiscard]] Point at(double x, double y) const {
     const double across = (x - field.x.front() + dx) / (field.x.back() - field.x.front() + 2 * dx);
@@ -58,12 +55,12 @@ std::vector<double> levels_of(const std::vector<double>& values) {
   return levels;
 }
 
-/// Where the contour of `level` crosses the lines between neighbouring points.
-std::vector<Point> crossings(const Frame& frame, double level) {
+/// Where the contour of `level` of `values` crosses the lines between neighbouring points.
+std::vector<Point> crossings(const Frame& frame, const std::vector<double>& values, double level) {
   const auto &x = frame.field.x, &y = frame.field.y;
   std::vector<Point> found;
   const auto between = [&](std::size_t i, std::size_t j, std::size_t k, std::size_t l) {
-    const double a = frame.value(i, j), b = frame.value(k, l);
+    const double a = values[i * y.size() + j], b = values[k * y.size() + l];
     if (!std::isfinite(a) || !std::isfinite(b) || (a < level) == (b < level)) return;
     const double t = (level - a) / (b - a);
     found.push_back(frame.at(x[i] + t * (x[k] - x[i]), y[j] + t * (y[l] - y[j])));
@@ -157,7 +154,7 @@ std::string label_commands(const Frame& frame, const std::vector<double>& levels
   std::vector<std::vector<Point>> lines;
   Occupied occupied;
   for (std::size_t k = 0; k < levels.size(); ++k) {
-    lines.push_back(crossings(frame, levels[k]));
+    lines.push_back(crossings(frame, frame.field.values, levels[k]));
     for (const auto& at : lines.back()) occupied.add(k, at);
   }
   std::vector<std::size_t> order(levels.size());
@@ -175,25 +172,28 @@ std::string label_commands(const Frame& frame, const std::vector<double>& levels
   return text;
 }
 
-std::string field_rows(const Field& field) {
+/// `values` of the field in the block `$name`.
+std::string block_of_values(const std::string& name, const Field& field,
+                            const std::vector<double>& values) {
   std::string rows;
   for (std::size_t i = 0; i < field.x.size(); ++i) {
     for (std::size_t j = 0; j < field.y.size(); ++j) {
-      const double value = field.values[i * field.y.size() + j];
+      const double value = values[i * field.y.size() + j];
       rows += fmt::format("{:.9g} {:.9g} {}\n", field.x[i], field.y[j],
                           std::isfinite(value) ? fmt::format("{:.9g}", value) : "NaN");
     }
     rows += '\n';
   }
-  return block_of("field", rows);
+  return block_of(name, rows);
 }
 
-/// Contours of `levels` in the block `$name`.
-std::string contour_table(const std::string& name, const std::vector<double>& levels) {
+/// Contours of `levels` of the block `$of` in the block `$name`.
+std::string contour_table(const std::string& name, const std::vector<double>& levels,
+                          const std::string& of = "field") {
   return fmt::format(
-      "set cntrparam levels discrete {:.9g}\nset table ${}\nsplot $field using 1:2:3\nunset "
+      "set cntrparam levels discrete {:.9g}\nset table ${}\nsplot ${} using 1:2:3\nunset "
       "table\n",
-      fmt::join(levels, ", "), name);
+      fmt::join(levels, ", "), name, of);
 }
 
 }  // namespace
@@ -202,12 +202,15 @@ void plot_field(const Field& field, const std::string& title, const std::string&
                 const std::string& path) {
   const Frame frame{field, half_cell(field.x), half_cell(field.y)};
   const auto levels = levels_of(field.values);
-  const bool bounded = field.bound && !crossings(frame, *field.bound).empty();
+  const bool bounded = field.bound && !crossings(frame, field.values, *field.bound).empty();
+  const bool ends = !field.stroke_left.empty() && !crossings(frame, field.stroke_left, 0.0).empty();
   std::string script =
       titles(title, subtitle, width, height) + thin_axes + key_below_titles(height) +
-      field_rows(field) + "set contour base\nunset surface\n" +
-      (levels.empty() ? "" : contour_table("lines", levels)) +
-      (bounded ? contour_table("bound", {*field.bound}) : "") + "set surface\nunset contour\n" +
+      block_of_values("field", field, field.values) +
+      (ends ? block_of_values("stroke", field, field.stroke_left) : "") +
+      "set contour base\nunset surface\n" + (levels.empty() ? "" : contour_table("lines", levels)) +
+      (bounded ? contour_table("bound", {*field.bound}) : "") +
+      (ends ? contour_table("end", {0.0}, "stroke") : "") + "set surface\nunset contour\n" +
       at_screen({left / width, right / width, 1.0 - top / height, bottom / height});
   script += fmt::format(
       "set xlabel {}\nset ylabel {}\nset cblabel {}\nset xrange [{:.9g}:{:.9g}]\n"
@@ -231,6 +234,9 @@ void plot_field(const Field& field, const std::string& title, const std::string&
   if (bounded)
     script += fmt::format("$bound using 1:2 with lines lw 2.6 lc rgb '#000000' title {}, ",
                           quoted("bound of " + field.bound_text));
+  if (ends)
+    script += fmt::format("$end using 1:2 with lines lw 2.6 dt (9,5) lc rgb '#00a0a0' title {}, ",
+                          quoted("end of stroke"));
   draw(path, width, height, script + "NaN notitle\n");
 }
 

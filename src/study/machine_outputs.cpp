@@ -124,7 +124,7 @@ std::vector<Column> columns_of(const Kept& kept) {
         {fmt::format("peak_{}", name), "1",
          fmt::format("peak of the first resonance in {} over that with rigid legs", name)});
   columns.push_back({"condition", "1", "condition of the Jacobian"});
-  columns.push_back({"stroke", "m", "least stroke left of any leg"});
+  columns.push_back({"stroke", "m", "least stroke left of any leg, negative beyond it"});
   columns.push_back({"mac", "1", "least MAC of the followed modes with the nominal ones"});
   for (std::size_t k = 0; k < kept.nominal.followed.size(); ++k)
     columns.push_back({fmt::format("mode{}", k + 1), "Hz",

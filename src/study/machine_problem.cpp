@@ -150,6 +150,7 @@ class Evaluation {
     }
     const auto refused = refusal(X_BP);
     set(outputs, refused);
+    if (refused == Status::out_of_reach) outputs[Layout::stroke] = stroke_left_;
     if (refused != Status::computed) return {};
     outputs[Layout::condition] = condition_;
     outputs[Layout::stroke] = stroke_left_;

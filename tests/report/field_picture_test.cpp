@@ -104,6 +104,18 @@ TEST(HeatMaps, ShowTheBoundOfARequirement) {
   EXPECT_THAT(script_for(f), Not(HasSubstr("$bound")));
 }
 
+TEST(HeatMaps, EndOfStrokeIsALineOfItsOwn) {
+  auto f = field(9, [](double x, double) { return x > 40.0 ? std::nan("") : 6.0 + 0.01 * x; });
+  EXPECT_THAT(script_for(f), Not(HasSubstr("end of stroke")));
+  for (const double x : f.x)
+    for (std::size_t j = 0; j < f.y.size(); ++j) f.stroke_left.push_back(60.0 - x);
+  const auto script = script_for(f);
+  EXPECT_THAT(script, HasSubstr("set cntrparam levels discrete 0\nset table $end\nsplot $stroke "));
+  EXPECT_THAT(script, HasSubstr("title 'end of stroke'"));
+  for (auto& left : f.stroke_left) left += 41.0;  // nowhere at an end
+  EXPECT_THAT(script_for(f), Not(HasSubstr("end of stroke")));
+}
+
 TEST(HeatMaps, OfOneValueHaveNoContours) {
   const auto script = script_for(field(5, [](double, double) { return 3.0; }));
   EXPECT_THAT(script, Not(HasSubstr("$lines")));

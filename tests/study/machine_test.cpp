@@ -253,6 +253,39 @@ TEST(Maps, AreModesAtEachPose) {
   EXPECT_GT(computed, 500);
 }
 
+/// How far beyond its stroke a leg would have to go, from the lengths of the legs.
+TEST(Maps, SayWhatStrokeIsLackingOutOfReach) {
+  const auto file = model::read_machine_file(
+      test::source_file("models/heavy-platform.toml").string(), {}, kinematics::check_machine);
+  const auto& machine = file.machine;
+  const auto problem = machine_problem(
+      machine, {{.name = "x", .unit = "m"}, {.name = "z", .unit = "m"}},
+      {.kind = dynamics::ModelKind::guide, .X_BP = machine.neutral(), .poses = true});
+  const auto model = problem.model();
+  std::vector<double> y(problem.outputs.size());
+  int beyond = 0;
+  for (const double x : {-0.83, -0.31, 0.0, 0.47})
+    for (const double z : {-0.91, -0.2, 0.07, 0.33}) {
+      model(std::vector{x, z}, y);
+      auto X_BP = machine.neutral();
+      X_BP.p_BP += spatial::Vector3(x, 0.0, z);
+      const auto lengths = kinematics::leg_lengths(machine, X_BP);
+      double left = std::numeric_limits<double>::infinity();
+      for (int i = 0; i < model::leg_count; ++i) {
+        const auto& leg = machine.legs[static_cast<std::size_t>(i)];
+        const double in = lengths[i] - leg.rod.length - leg.stroke->retracted;
+        left = std::min({left, in, leg.stroke->length - in});
+      }
+      EXPECT_NEAR(y[column(problem, "stroke")], left, 1e-12) << x << ' ' << z;
+      if (left >= 0.0) continue;
+      ++beyond;
+      EXPECT_EQ(y[0], static_cast<double>(Status::out_of_reach));
+      EXPECT_TRUE(std::isnan(y[column(problem, "lowest")]));
+    }
+  EXPECT_GT(beyond, 4);
+  EXPECT_LT(beyond, 14);
+}
+
 TEST(WorstSamples, AreReadBackFromTheirFile) {
   const auto file = published();
   const auto inputs =

@@ -303,8 +303,8 @@ Starts starts_of(const model::Machine& machine, const spatial::Pose& X_BP,
 
 MapStatus resonances_at(const model::Machine& machine, const spatial::Pose& X_BP,
                         dynamics::ModelKind kind, const Starts& starts, double* row) {
-  if (has_error(kinematics::check_pose(machine, X_BP, ""))) return MapStatus::out_of_reach;
   row[16] = kinematics::stroke_left(machine, X_BP);
+  if (has_error(kinematics::check_pose(machine, X_BP, ""))) return MapStatus::out_of_reach;
   try {
     const auto flexible = dynamics::linear_model(machine, X_BP, kind, Starts::of(starts.flexible));
     const auto modes = modal::modes_with_elastomers(machine, flexible);

@@ -371,6 +371,8 @@ struct Field {
   /// Of a requirement for this value; its contour is drawn, and named by the text.
   std::optional<double> bound{};
   std::string bound_text{};
+  /// [m] as `values`, negative beyond the stroke: where it ends a line is drawn. Empty: none.
+  std::vector<double> stroke_left{};
 };
 
 /// Heat map with contours; where there is no value the plane is grey.
