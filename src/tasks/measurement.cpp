@@ -140,6 +140,12 @@ Measured opened(const MeasureOptions& options) {
     measured.records.emplace(options.files, data::ReadOptions{.sample_rate = options.sample_rate});
   else
     measured.records.emplace(options.records, options.files);
+  const double rate = measured.records->header().sample_rate;  // of a file it was looked at
+  if (!options.records.empty() && options.sample_rate.value_or(rate) != rate)
+    base::refuse(options.files.front(),
+                 fmt::format("has {:.9g} Hz, and the sample rate asked for is {:.9g} Hz; leave it "
+                             "out for records in memory",
+                             rate, *options.sample_rate));
   measured.from_accelerometers = options.accelerometers || !options.sensors.empty();
   measured.header = measured.records->header();
   measured.machine = measured_machine(options, measured.experiment());

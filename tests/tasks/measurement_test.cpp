@@ -111,6 +111,11 @@ TEST(Measured, RecordsInMemoryAreAsTheirFiles) {
     EXPECT_EQ(from_memory.responses().noise[k], from_file.responses().noise[k]);
   }
   EXPECT_EQ(from_memory.machine->path, "the run (machine)");
+  of_memory.sample_rate = 200.0;  // which it has
+  EXPECT_EQ(tasks::frf(of_memory).responses().H[7], from_memory.responses().H[7]);
+  of_memory.sample_rate = 210.0;
+  EXPECT_THROW(tasks::frf(of_memory), base::InputError);
+  of_memory.sample_rate.reset();
   of_memory.records.push_back(record);
   of_memory.files.push_back("again");
   try {
