@@ -288,8 +288,22 @@ def _shown_unit(unit: str) -> Tuple[float, str]:
     return {"m": (1e3, "mm"), "rad": (180.0 / np.pi, "°")}.get(unit, (1.0, unit))
 
 
+def _end_of_stroke(axes: Any, study: Study, grids: Any) -> None:
+    """Where pistons come to their stops, if that is in the grid."""
+    if "stroke" not in study.names:
+        return
+    left = np.ma.masked_invalid(np.array(study["stroke"]).reshape(study.shape))  # type: ignore[no-untyped-call]
+    if left.count() and left.min() < 0.0 < left.max():
+        axes.contour(grids[0], grids[1], left, levels=[0.0], colors="#00a0a0", linestyles="dashed", linewidths=2.0)
+        axes.plot([], [], color="#00a0a0", linestyle="dashed", linewidth=2.0, label="end of stroke")
+        axes.legend(fontsize=8, frameon=False, loc="lower right", bbox_to_anchor=(1.0, 1.0))
+
+
 def plot_map(study: Study, value: str = "lowest", *, figure: Any = None) -> Any:
-    """A column over the grid of a sweep or a map: a line over one input, a heat map over two. Grey: no value."""
+    """A column over the grid of a sweep or a map: a line over one input, a heat map over two. Grey: no value.
+
+    Dashed: the end of the stroke.
+    """
     _expect(study, Study)
     if study.kind == "montecarlo" or len(study.shape) != study.input_count or study.input_count > 2:
         raise ValueError("plot_map: expected a grid over one or two inputs, of sweep() or workspace_map()")
@@ -316,6 +330,7 @@ def plot_map(study: Study, value: str = "lowest", *, figure: Any = None) -> Any:
         if field.count() and field.min() < field.max():
             lines = axes.contour(grids[0], grids[1], field, levels=8, colors="white", linewidths=0.7)
             axes.clabel(lines, fontsize=7)
+        _end_of_stroke(axes, study, grids)
         figure.colorbar(mesh, ax=axes, label=label)
         axes.set_ylabel(names[1], fontsize=9)
     axes.set_xlabel(names[0], fontsize=9)

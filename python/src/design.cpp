@@ -28,19 +28,6 @@ struct Designed : Result {
   }
 };
 
-/// The machine with these numbers at a pose.
-Machine changed_machine(const Machine& machine, const Names& paths, std::span<const double> values,
-                        const model::NamedPose& pose) {
-  tasks::MachineOptions options{.file = machine->path, .text = machine->file.text};
-  options.overrides = machine->file.overrides;
-  for (std::size_t k = 0; k < paths.size(); ++k)
-    options.overrides.push_back(paths[k] + "=" +
-                                py::repr(py::float_(values[k])).cast<std::string>());
-  options.pose = pose.name;
-  options.model = machine->kind;
-  return without_gil([&] { return std::make_shared<Subject>(tasks::read_machine(options)); });
-}
-
 /// A Python object for threads that do not hold the GIL.
 std::shared_ptr<py::object> shared(const py::handle& object) {
   return {new py::object(py::reinterpret_borrow<py::object>(object)), [](py::object* kept) {
@@ -59,7 +46,7 @@ void add_own_outputs(const Machine& machine, const Options& asked, tasks::Design
          .of = [machine, paths, function = shared(call)](std::span<const double> values,
                                                          const model::NamedPose& pose) {
            const py::gil_scoped_acquire python;
-           const auto found = (*function)(changed_machine(machine, paths, values, pose));
+           const auto found = (*function)(changed_machine(*machine, paths, values, pose.name));
            return found.is_none() ? std::numeric_limits<double>::quiet_NaN() : found.cast<double>();
          }});
   }

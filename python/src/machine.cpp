@@ -17,6 +17,20 @@
 
 namespace hydrapod::python {
 
+std::string digits_of(double value) { return py::repr(py::float_(value)).cast<std::string>(); }
+
+std::shared_ptr<Subject> changed_machine(const Subject& machine,
+                                         const std::vector<std::string>& paths,
+                                         std::span<const double> values, const std::string& pose) {
+  tasks::MachineOptions options{.file = machine.path, .text = machine.file.text};
+  options.overrides = machine.file.overrides;
+  for (std::size_t k = 0; k < paths.size(); ++k)
+    options.overrides.push_back(paths[k] + "=" + digits_of(values[k]));
+  options.pose = pose;
+  options.model = machine.kind;
+  return without_gil([&] { return std::make_shared<Subject>(tasks::read_machine(options)); });
+}
+
 namespace {
 
 using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;

@@ -120,24 +120,18 @@ std::shared_ptr<Subject> machine_of(const Study& study, std::int64_t row) {
   const auto at = row_of(study, row);
   const std::span values(study.rows.data() + at * study.width(), study.inputs());
   const auto& job = study.job;
-  tasks::MachineOptions options{.file = job.machine.path, .text = job.machine.file.text};
-  options.overrides = job.machine.file.overrides;
-  options.pose = job.machine.pose.name;
-  options.model = job.machine.kind;
-  if (job.poses) {
-    if (job.machine.pose.name != "neutral")
-      base::refuse("machine(row)",
-                   "a map from a pose other than neutral has no text for its poses");
-    options.pose.clear();
-    for (std::size_t k = 0; k < values.size(); ++k)
-      options.pose += (k > 0 ? ", " : "") + job.problem.inputs[k].name + "=" +
-                      py::repr(py::float_(values[k])).cast<std::string>();
-  } else {
-    for (std::size_t k = 0; k < values.size(); ++k)
-      options.overrides.push_back(job.problem.inputs[k].name + "=" +
-                                  py::repr(py::float_(values[k])).cast<std::string>());
+  const auto& inputs = job.problem.inputs;
+  if (!job.poses) {
+    std::vector<std::string> paths;
+    for (const auto& input : inputs) paths.push_back(input.name);
+    return changed_machine(job.machine, paths, values, job.machine.pose.name);
   }
-  return without_gil([&] { return std::make_shared<Subject>(tasks::read_machine(options)); });
+  if (job.machine.pose.name != "neutral")
+    base::refuse("machine(row)", "a map from a pose other than neutral has no text for its poses");
+  std::string pose;
+  for (std::size_t k = 0; k < values.size(); ++k)
+    pose += (k > 0 ? ", " : "") + inputs[k].name + "=" + digits_of(values[k]);
+  return changed_machine(job.machine, {}, {}, pose);
 }
 
 py::array of_requirements(const Study& study, double study::RequirementSummary::*member) {

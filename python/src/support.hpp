@@ -10,6 +10,7 @@
 #include <complex>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -184,6 +185,14 @@ class Options {
  private:
   py::dict values_;
 };
+
+/// All digits of a number.
+std::string digits_of(double value);
+
+/// `machine` with other numbers [SI], at one of its poses or a displacement.
+std::shared_ptr<Subject> changed_machine(const Subject& machine,
+                                         const std::vector<std::string>& paths,
+                                         std::span<const double> values, const std::string& pose);
 
 std::vector<std::string> texts(const std::vector<base::Diagnostic>& diagnostics);
 

@@ -22,7 +22,8 @@ class RecordReader {
   RecordReader& operator=(const RecordReader&) = delete;
   virtual ~RecordReader() = default;
 
-  [[nodiscard]] RecordFormat format() const { return format_; }
+  /// None: the record is in memory.
+  [[nodiscard]] std::optional<RecordFormat> format() const { return format_; }
   [[nodiscard]] const std::string& rate_key() const { return rate_key_; }
   [[nodiscard]] const RecordHeader& header() const { return header_; }
   [[nodiscard]] const std::vector<base::Diagnostic>& notes() const { return notes_.all(); }
@@ -64,7 +65,7 @@ class RecordReader {
 
   Notes notes_;
   std::string stated_checksum_{};
-  RecordFormat format_{};
+  std::optional<RecordFormat> format_{};
   RecordHeader header_{};
   std::vector<double> factors_{};
   std::optional<std::int64_t> count_{};  ///< of samples
@@ -106,6 +107,8 @@ std::unique_ptr<RecordReader> open_reader(const std::string& path, const ReadOpt
 /// out, and so is what follows a line that cannot be read.
 std::unique_ptr<RecordReader> open_damaged_reader(const std::string& path,
                                                   const ReadOptions& options);
+/// Throws base::InputError where the record has another sample rate than `options` say.
+void require_rate(const std::string& name, const RecordReader& reader, const ReadOptions& options);
 /// An HDF5 file, or one that was.
 bool begins_as_hdf5(const std::string& path);
 

@@ -122,18 +122,6 @@ std::unique_ptr<RecordReader> open_by_content(const std::string& path, const Rea
   return make_csv_reader(path, options, damaged);
 }
 
-/// A rate that is given must be that of a file which states one.
-void require_rate(const std::string& path, const RecordReader& reader, const ReadOptions& options) {
-  constexpr double tolerance = 1e-3;
-  const double stated = reader.header().sample_rate;
-  if (!options.sample_rate || std::abs(stated - *options.sample_rate) <= tolerance * stated) return;
-  base::refuse(path,
-               fmt::format("{}: the file states {:.9g} Hz, but --rate says {:.9g} Hz; expected "
-                           "is the rate of the file: leave --rate out, or resample the record "
-                           "(`record resample`)",
-                           reader.rate_key(), stated, *options.sample_rate));
-}
-
 std::unique_ptr<RecordReader> open_valid(const std::string& path, const ReadOptions& options,
                                          bool damaged) {
   std::unique_ptr<RecordReader> reader;
@@ -155,6 +143,17 @@ std::unique_ptr<RecordReader> open_valid(const std::string& path, const ReadOpti
 }
 
 }  // namespace
+
+void require_rate(const std::string& name, const RecordReader& reader, const ReadOptions& options) {
+  constexpr double tolerance = 1e-3;
+  const double stated = reader.header().sample_rate;
+  if (!options.sample_rate || std::abs(stated - *options.sample_rate) <= tolerance * stated) return;
+  const char* const what = reader.format() ? "file" : "record";
+  base::refuse(name, fmt::format("{}: the {} states {:.9g} Hz, but --rate says {:.9g} Hz; expected "
+                                 "is the rate of the {}: leave --rate out, or resample the record "
+                                 "(`record resample`)",
+                                 reader.rate_key(), what, stated, *options.sample_rate, what));
+}
 
 bool begins_as_hdf5(const std::string& path) { return has_hdf5_signature(head_of(path)); }
 

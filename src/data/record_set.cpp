@@ -78,20 +78,14 @@ class RecordInMemory : public RecordReader {
   std::shared_ptr<const Record> record_;
 };
 
-bool is_in_memory(const RecordReader& reader) {
-  return dynamic_cast<const RecordInMemory*>(&reader) != nullptr;
-}
-
-constexpr const char* counts_twice = "is given twice, as {} before; it would count twice";
-
-/// It would count twice in every average.
-void refuse_repeated(const std::vector<std::string>& files) {
-  for (std::size_t k = 1; k < files.size(); ++k)
-    for (std::size_t before = 0; before < k; ++before) {
-      std::error_code absent;
-      if (std::filesystem::equivalent(files[k], files[before], absent))
-        base::refuse(files[k], fmt::format(counts_twice, files[before]));
-    }
+/// `is_same(k, before)`. It would count twice in every average.
+template <class IsSame>
+void refuse_repeated(const std::vector<std::string>& names, const IsSame& is_same) {
+  for (std::size_t k = 1; k < names.size(); ++k)
+    for (std::size_t before = 0; before < k; ++before)
+      if (is_same(k, before))
+        base::refuse(names[k], fmt::format("is given twice, as {} before; it would count twice",
+                                           names[before]));
 }
 
 }  // namespace
@@ -99,24 +93,25 @@ void refuse_repeated(const std::vector<std::string>& files) {
 RecordSet::RecordSet(std::vector<std::string> files, const ReadOptions& options)
     : files_(std::move(files)) {
   if (files_.empty()) throw std::invalid_argument("RecordSet: no file is named");
-  refuse_repeated(files_);
+  refuse_repeated(files_, [&](std::size_t k, std::size_t before) {
+    std::error_code absent;
+    return std::filesystem::equivalent(files_[k], files_[before], absent);
+  });
   for (const auto& file : files_) add(open_reader(file, options));
 }
 
 RecordSet::RecordSet(std::vector<std::shared_ptr<const Record>> records,
-                     std::vector<std::string> names)
+                     std::vector<std::string> names, const ReadOptions& options)
     : files_(std::move(names)) {
   if (records.empty() || records.size() != files_.size())
     throw std::invalid_argument("RecordSet: expected records, and a name for each");
+  refuse_repeated(files_,
+                  [&](std::size_t k, std::size_t before) { return records[k] == records[before]; });
   for (std::size_t k = 0; k < records.size(); ++k) {
-    const auto before =
-        std::find(records.begin(), records.begin() + static_cast<std::ptrdiff_t>(k), records[k]) -
-        records.begin();
-    if (before < static_cast<std::ptrdiff_t>(k))
-      base::refuse(files_[k], fmt::format(counts_twice, files_[static_cast<std::size_t>(before)]));
+    auto reader = std::make_unique<RecordInMemory>(files_[k], std::move(records[k]));
+    require_rate(files_[k], *reader, options);
+    add(std::move(reader));
   }
-  for (std::size_t k = 0; k < records.size(); ++k)
-    add(std::make_unique<RecordInMemory>(files_[k], std::move(records[k])));
 }
 
 /// The next one of files_.
@@ -144,9 +139,7 @@ RecordSet& RecordSet::operator=(RecordSet&&) noexcept = default;
 RecordSet::~RecordSet() = default;
 
 std::optional<RecordFormat> RecordSet::format(std::size_t file) const {
-  const auto& reader = *readers_.at(file);
-  if (is_in_memory(reader)) return {};
-  return reader.format();
+  return readers_.at(file)->format();
 }
 
 const RecordHeader& RecordSet::header(std::size_t file) const {
@@ -178,7 +171,7 @@ bool RecordSet::stream_file(std::size_t file, const Use& use) {
   RecordReader& reader = *readers_[file];
   reader.rewind();
   Samples block = make_block(reader.header());
-  const bool kept = keeps() && !is_in_memory(reader);
+  const bool kept = reader.format() && keeps();
   Samples all(kept ? *counts_[file] : 0, block.cols());
   std::int64_t samples = 0;
   while (const std::int64_t rows = reader.read(block)) {

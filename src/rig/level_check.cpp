@@ -40,10 +40,14 @@ spatial::Matrix6 force_matrix(const model::Machine& machine, const spatial::Pose
   return J.transpose().partialPivLu().solve(to_C.transpose() * M * to_C);
 }
 
+double checked_seconds(const RigOptions& options) {
+  return std::min(options.settling + options.duration, longest_checked);
+}
+
 Peaks peaks_of(const RigOptions& options, double sample_time, const spatial::Matrix6& J,
                const spatial::Matrix6& forces = spatial::Matrix6::Zero()) {
   signals::Generator signals(options.signals, 1.0 / sample_time, options.seed);
-  const double seconds = std::min(options.settling + options.duration, longest_checked);
+  const double seconds = checked_seconds(options);
   Peaks peaks;
   Vector6 last_rate = Vector6::Zero();
   for (long k = 0; k < std::lround(seconds / sample_time); ++k) {
@@ -169,9 +173,16 @@ Vector6 rotor_masses(const model::Machine& machine) {
 }
 
 /// What oscillates by itself is never seen at rest, and its modes are not what a record shows.
-void judge_stability(const simulation::ClosedLoop& loop, std::vector<LevelFinding>& findings) {
-  if (auto why = simulation::instability(loop); !why.empty())
+/// Nor does a machine whose legs buckle on the way have modes that a record could show.
+void judge_stability(const simulation::ClosedLoop& loop, const RigOptions& options,
+                     std::vector<LevelFinding>& findings) {
+  if (auto why = simulation::instability(loop); !why.empty()) {
     findings.push_back({base::Severity::warning, std::move(why), true});
+  } else if (options.entry == Entry::command) {
+    signals::Generator signal(options.signals, 1.0 / loop.parameters().sample_time, options.seed);
+    auto lost = simulation::loss_of_rest(loop, signal, checked_seconds(options));
+    if (!lost.empty()) findings.push_back({base::Severity::warning, std::move(lost)});
+  }
 }
 
 }  // namespace
@@ -179,7 +190,7 @@ void judge_stability(const simulation::ClosedLoop& loop, std::vector<LevelFindin
 std::vector<LevelFinding> check_levels(const simulation::ClosedLoop& loop,
                                        const RigOptions& options) {
   std::vector<LevelFinding> findings;
-  judge_stability(loop, findings);
+  judge_stability(loop, options, findings);
   if (options.entry == Entry::wrench) return findings;  // what it moves, the run shows
   const spatial::Pose& pose = loop.operating();
   const spatial::Matrix6 J = excitation_jacobian(loop.plant().machine(), pose);

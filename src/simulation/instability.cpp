@@ -1,8 +1,11 @@
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 
+#include "hydrapod/base/error.hpp"
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/dynamics/linear_model.hpp"
 #include "hydrapod/simulation/closed_loop.hpp"
@@ -18,6 +21,17 @@ bool is_at_unstable_rest(const model::Machine& machine, const Pose& X_BP, ModelK
   const auto model = dynamics::linear_model(machine, X_BP, kind);
   return Eigen::LLT<dynamics::ModelMatrix>(dynamics::slow_stiffness(model)).info() !=
          Eigen::Success;
+}
+
+/// "x=3 mm, ry=0.5 deg".
+std::string displacement_text(const spatial::Vector6& value) {
+  constexpr double degrees = 180.0 / std::numbers::pi, smallest = 1e-6;
+  std::vector<std::string> parts;
+  for (int d = 0; d < 6; ++d)
+    if (std::abs(value[d]) > smallest)
+      parts.push_back(fmt::format("{}={:.3g} {}", spatial::direction_names.at(d),
+                                  value[d] * (d < 3 ? 1e3 : degrees), d < 3 ? "mm" : "deg"));
+  return fmt::format("{}", fmt::join(parts, ", "));
 }
 
 }  // namespace
@@ -46,6 +60,39 @@ std::string instability(const model::Machine& machine, const Pose& X_BP, ModelKi
 std::string instability(const ClosedLoop& loop) {
   return instability(loop.plant().machine(), loop.operating(), loop.options().kind,
                      loop.options().actuators == Actuators::controlled, &loop.parameters());
+}
+
+std::string loss_of_rest(const ClosedLoop& loop, signals::Generator& signal, double until) {
+  const auto& machine = loop.plant().machine();
+  const auto kind = loop.options().kind;
+  if (kind == ModelKind::rigid || machine.gravity.isZero(0.0)) return {};
+  const auto falls = [&](const Pose& X_BP, bool controlled) {
+    try {
+      return !instability(machine, X_BP, kind, controlled, &loop.parameters()).empty();
+    } catch (const base::ComputationError&) {  // no equilibrium at all
+      return true;
+    }
+  };
+  constexpr double interval = 0.01;  // [s] between two looks, longer where they would be too many
+  constexpr long most_looks = 500;
+  const double T = loop.parameters().sample_time;
+  const long samples = std::lround(until / T),
+             every = std::max({1L, std::lround(interval / T), samples / most_looks});
+  std::string found;
+  signal.restart();
+  for (long k = 0; k <= samples && found.empty(); ++k) {
+    const auto command = signal.next();
+    if (k % every != 0 || command.value.isZero(0.0)) continue;
+    const auto X_BP = command_at(loop.operating(), command).X_BP;
+    if (falls(X_BP, false) && falls(X_BP, true))
+      found = fmt::format(
+          "at {:.3g} s the command is {}, where the legs buckle: a platform that follows it "
+          "does not stay there; `hydrapod check` of that pose states the load that "
+          "the legs carry",
+          static_cast<double>(k) * T, displacement_text(command.value));
+  }
+  signal.restart();
+  return found;
 }
 
 }  // namespace hydrapod::simulation

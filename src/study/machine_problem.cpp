@@ -150,10 +150,9 @@ class Evaluation {
     }
     const auto refused = refusal(X_BP);
     set(outputs, refused);
-    if (refused == Status::out_of_reach) outputs[Layout::stroke] = stroke_left_;
+    if (refused != Status::not_allowed) outputs[Layout::stroke] = stroke_left_;
     if (refused != Status::computed) return {};
     outputs[Layout::condition] = condition_;
-    outputs[Layout::stroke] = stroke_left_;
     return X_BP;
   }
 

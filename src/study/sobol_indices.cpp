@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "random_bits.hpp"
+
 namespace hydrapod::study {
 
 namespace {

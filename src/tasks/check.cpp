@@ -136,6 +136,15 @@ void warn_below(PoseCheck& result, Kind kind, Value value, Limit limit) {
   if (!warning.legs.empty()) result.warnings.push_back(warning);
 }
 
+/// The same of those above their limit, with the highest.
+template <class Value, class Limit>
+void warn_above(PoseCheck& result, Kind kind, Value value, Limit limit) {
+  const auto before = result.warnings.size();
+  warn_below(
+      result, kind, [&](int i) { return -value(i); }, [&](int i) { return -limit(i); });
+  if (result.warnings.size() > before) result.warnings.back().value *= -1.0;
+}
+
 /// Chamber pressures at rest, and what the oil can push and pull.
 void add_pressures(const model::Machine& machine, PoseCheck& result) {
   if (model::leg_type(machine) != model::LegType::cylinder) return;
@@ -301,18 +310,6 @@ void warn_of_air(const model::Machine& machine, const CheckOptions& options, Pos
   if (!other.legs.empty()) result.warnings.push_back(other);
 }
 
-/// Rods that would lie on their guide rings, if the file said where these are.
-void warn_of_offsets(const CheckOptions& options, PoseCheck& result) {
-  report::PoseWarning far{.kind = Kind::no_gap_stated};
-  for (int i = 0; i < model::leg_count; ++i) {
-    const auto& leg = result.legs[i];
-    if (leg.gap || !(leg.sleeve_offset > options.large_offset)) continue;
-    far.value = std::max(far.value, leg.sleeve_offset);
-    far.legs.push_back(i);
-  }
-  if (!far.legs.empty()) result.warnings.push_back(far);
-}
-
 void warn_of_legs(const model::Machine& machine, const CheckOptions& options, PoseCheck& result) {
   const auto& legs = result.legs;
   warn_below(
@@ -329,12 +326,13 @@ void warn_of_legs(const model::Machine& machine, const CheckOptions& options, Po
       [&](int i) { return options.short_guide * machine.legs[i].rod.length; });
   if (!result.equilibrium) return;
   warn_of_contact(result);
-  warn_of_offsets(options, result);
-  warn_below(
-      result, Kind::tilted_rod, [&](int i) { return -legs[i].tilt; },
-      [&](int) { return -options.large_tilt; });
-  if (!result.warnings.empty() && result.warnings.back().kind == Kind::tilted_rod)
-    result.warnings.back().value *= -1.0;
+  constexpr double stated = std::numeric_limits<double>::infinity();
+  warn_above(
+      result, Kind::no_gap_stated, [&](int i) { return legs[i].sleeve_offset; },
+      [&](int i) { return legs[i].gap ? stated : options.large_offset; });
+  warn_above(
+      result, Kind::tilted_rod, [&](int i) { return legs[i].tilt; },
+      [&](int) { return options.large_tilt; });
 }
 
 PoseCheck check_pose(const model::Machine& machine, const model::NamedPose& pose,

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <regex>
 
 #include "hydrapod/base/error.hpp"
@@ -66,17 +65,6 @@ void refuse_with_guess(const Machine& machine, const ClosedLoop& loop,
                            fmt::join(changed, "\", \"")));
 }
 
-/// "x=3 mm, ry=0.5 deg".
-std::string displacement_text(const spatial::Vector6& value) {
-  constexpr double degrees = 180.0 / std::numbers::pi, smallest = 1e-6;
-  std::vector<std::string> parts;
-  for (int d = 0; d < 6; ++d)
-    if (std::abs(value[d]) > smallest)
-      parts.push_back(fmt::format("{}={:.3g} {}", spatial::direction_names.at(d),
-                                  value[d] * (d < 3 ? 1e3 : degrees), d < 3 ? "mm" : "deg"));
-  return fmt::format("{}", fmt::join(parts, ", "));
-}
-
 }  // namespace
 
 std::vector<std::string> require_possible(const Machine& machine, const ClosedLoop& loop,
@@ -103,38 +91,6 @@ std::vector<std::string> require_possible(const Machine& machine, const ClosedLo
   if (errors.empty()) return warnings;
   refuse_with_guess(machine, loop, texts, until, errors);
   throw base::InputError(errors);
-}
-
-std::optional<std::string> loss_of_rest(const Machine& machine, const ClosedLoop& loop,
-                                        signals::Generator& signal, double until) {
-  const auto& of = machine.file.machine;
-  if (machine.kind == dynamics::ModelKind::rigid || of.gravity.isZero(0.0)) return {};
-  const auto falls = [&](const spatial::Pose& X_BP, bool controlled) {
-    try {
-      return !simulation::instability(of, X_BP, machine.kind, controlled, &loop.parameters())
-                  .empty();
-    } catch (const base::ComputationError&) {  // no equilibrium at all
-      return true;
-    }
-  };
-  const double T = loop.parameters().sample_time;
-  const long samples = std::lround(until / T),
-             every = std::max(std::lround(0.01 / T), samples / 500);
-  signal.restart();
-  std::optional<std::string> found;
-  for (long k = 0; k <= samples && !found; ++k) {
-    const auto command = signal.next();
-    if (k % std::max(every, 1L) != 0 || command.value.isZero(0.0)) continue;
-    const auto X_BP = simulation::command_at(machine.pose.X_BP, command).X_BP;
-    if (falls(X_BP, false) && falls(X_BP, true))
-      found = fmt::format(
-          "the legs buckle where the command is at {:.3g} s, {}: the platform does "
-          "not stay there; `hydrapod check` of that pose states the load that the "
-          "legs carry",
-          static_cast<double>(k) * T, displacement_text(command.value));
-  }
-  signal.restart();
-  return found;
 }
 
 }  // namespace hydrapod::tasks

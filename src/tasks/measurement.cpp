@@ -136,16 +136,11 @@ identification::MeasureOptions estimate_options(const MeasureOptions& options,
 /// The records opened, the machine that was measured found.
 Measured opened(const MeasureOptions& options) {
   Measured measured;
+  const data::ReadOptions read{.sample_rate = options.sample_rate};
   if (options.records.empty())
-    measured.records.emplace(options.files, data::ReadOptions{.sample_rate = options.sample_rate});
+    measured.records.emplace(options.files, read);
   else
-    measured.records.emplace(options.records, options.files);
-  const double rate = measured.records->header().sample_rate;  // of a file it was looked at
-  if (!options.records.empty() && options.sample_rate.value_or(rate) != rate)
-    base::refuse(options.files.front(),
-                 fmt::format("has {:.9g} Hz, and the sample rate asked for is {:.9g} Hz; leave it "
-                             "out for records in memory",
-                             rate, *options.sample_rate));
+    measured.records.emplace(options.records, options.files, read);
   measured.from_accelerometers = options.accelerometers || !options.sensors.empty();
   measured.header = measured.records->header();
   measured.machine = measured_machine(options, measured.experiment());

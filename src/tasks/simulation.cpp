@@ -249,8 +249,8 @@ report::Simulation simulate(const Machine& machine, const SimulateOptions& optio
   if (auto why = simulation::instability(loop); !why.empty())
     result.warnings.push_back(std::move(why));
   else if (result.loop.actuators == simulation::Actuators::controlled)
-    if (auto lost = loss_of_rest(machine, loop, signal, result.until))
-      result.warnings.push_back(std::move(*lost));
+    if (auto lost = simulation::loss_of_rest(loop, signal, result.until); !lost.empty())
+      result.warnings.push_back(std::move(lost));
   note_shorter_steps(loop, result.loop.integrator, result.warnings);
   if (result.loop.actuators != simulation::Actuators::springs)
     if (auto note = note_on_sticking_seals(of)) result.warnings.push_back(std::move(*note));

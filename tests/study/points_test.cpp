@@ -8,6 +8,7 @@
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/study/study.hpp"
+#include "study/random_bits.hpp"
 
 namespace hydrapod::study {
 namespace {

@@ -133,7 +133,8 @@ class RecordSet {
   /// The same of records in memory, whose samples are not copied. `names` stand for files in
   /// messages. Throws as the other, and std::invalid_argument for a header that does not hold, for
   /// samples of another number of columns, and for other numbers of names than of records.
-  RecordSet(std::vector<std::shared_ptr<const Record>> records, std::vector<std::string> names);
+  RecordSet(std::vector<std::shared_ptr<const Record>> records, std::vector<std::string> names,
+            const ReadOptions& options = {});
   RecordSet(RecordSet&&) noexcept;
   RecordSet& operator=(RecordSet&&) noexcept;
   ~RecordSet();

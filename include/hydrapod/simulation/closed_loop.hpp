@@ -346,6 +346,11 @@ std::string instability(const ClosedLoop& loop);
 std::string instability(const model::Machine& machine, const Pose& X_BP, ModelKind kind,
                         bool controlled, const control::ControllerParameters* controller = {});
 
+/// Where the command first brings a machine that stands at its operating pose to a pose at which it
+/// does not: its legs buckle there, and the loop is unstable. Empty: nowhere. At most 500 places of
+/// the command are looked at. `signal` is run through from its start and restarted.
+std::string loss_of_rest(const ClosedLoop& loop, signals::Generator& signal, double until);
+
 /// Why a pose that the platform has come to ends a run: a joint beyond its limit, a singular pose.
 /// Empty when it does not.
 std::string leaves_workspace(const model::Machine& machine, const Pose& X_BP);

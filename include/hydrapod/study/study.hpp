@@ -117,13 +117,6 @@ std::uint64_t rows_of(const Plan& plan, std::size_t inputs);
 /// u of sample `row`, one for each input.
 void place(const Plan& plan, std::uint64_t row, std::span<double> u);
 
-/// u of one input of Design::random.
-double uniform(std::uint64_t seed, std::uint64_t sample, std::size_t input);
-
-/// Sixteen bytes of Philox4x32-10 of a counter and a key.
-std::array<std::uint32_t, 4> philox(std::array<std::uint32_t, 4> counter,
-                                    std::array<std::uint32_t, 2> key);
-
 /// A problem's model for one thread.
 class Evaluator {
  public:
@@ -356,8 +349,6 @@ std::string machine_text(const model::MachineFile& file, const std::vector<Input
 std::vector<Input> read_variation(const model::MachineFile& file, const std::string& path,
                                   const std::string& text, const std::string& place);
 
-// Design: the numbers of a machine that meet requirements at every pose with the best aim.
-
 /// What is made small or large: an output, the worst of all poses, or one of the changed numbers.
 struct Aim {
   std::string text{};  ///< "minimise platform.mass"
@@ -386,9 +377,9 @@ struct DesignProblem {
 
 /// Outputs of machine_problem(), `buckling` among them, then those of these that the machine has:
 /// `power` of the pump, `sag` (largest static offset of a rod at its guide sleeve), `oil_force`
-/// (largest static one of a leg, of a strut or screw where it has no oil), and `force_x` …
-/// `excursion_rz` (simulation/capability.hpp, both senses), then those of `own`. The rest of
-/// `problem` may be empty yet. Throws base::InputError for one of `own` named as another.
+/// (largest static one of a leg, of a strut or screw where it has no oil), `force_x` …
+/// `excursion_rz` (simulation/capability.hpp, both senses); then `own`. The rest of `problem` may be
+/// empty yet. Throws base::InputError for one of `own` named as another.
 std::vector<Column> design_outputs(const DesignProblem& problem);
 
 /// Frequencies of studies: "undamped"; with elastomers "damped", as all of `hydrapod modes` are.
