@@ -10,7 +10,7 @@
 #include "hydrapod/report/measured_results.hpp"
 #include "hydrapod/report/model_results.hpp"
 #include "hydrapod/reports.hpp"
-#include "hydrapod/tasks/fit.hpp"
+#include "hydrapod/tasks/measurement.hpp"
 
 namespace hydrapod::cli {
 

@@ -7,7 +7,7 @@
 
 #include "hydrapod/options.hpp"
 #include "hydrapod/report/measured_results.hpp"
-#include "hydrapod/tasks/fit.hpp"
+#include "hydrapod/tasks/measurement.hpp"
 
 namespace hydrapod::cli {
 

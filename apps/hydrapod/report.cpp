@@ -6,7 +6,7 @@
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/identification_arguments.hpp"
 #include "hydrapod/reproduction.hpp"
-#include "hydrapod/tasks/fit.hpp"
+#include "hydrapod/tasks/measurement.hpp"
 
 namespace hydrapod::cli {
 

@@ -13,7 +13,7 @@
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/base/version.hpp"
 #include "hydrapod/spatial/pose.hpp"
-#include "hydrapod/tasks/fit.hpp"
 #include "hydrapod/tasks/linear.hpp"
 #include "hydrapod/tasks/machine.hpp"
+#include "hydrapod/tasks/measurement.hpp"
 #include "hydrapod/tasks/study.hpp"

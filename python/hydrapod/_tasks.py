@@ -331,7 +331,7 @@ def calibrate(machine: Machine, targets: Union[Path, Record, Identified], free: 
     Result of the best combination: parameters, units, values, deviations, verdicts, misfit, remarks,
     interrupted; text: the calibrated machine file, with its comments.
     values and deviations [SI]. Raises InputError for targets, paths and bounds that cannot be, ComputationError
-    where no fit is found. Source: docs/theory/calibration.md. C++: tasks::calibrate in hydrapod/tasks/fit.hpp.
+    where no fit is found. Source: docs/theory/calibration.md. C++: tasks::calibrate in hydrapod/tasks/measurement.hpp.
     """
     with files_of(targets) as files:
         return _core.calibrate(_core_of(machine), _checks.options(
@@ -441,7 +441,7 @@ def diagnose(machine: Machine, measured: Measured = (), *, against: str = "auto"
     Result: summary (sentences), finding, hypotheses (best first), bic, warnings; the rest in to_dict().
     Raises InputError for a measurement without modes and goals that cannot be. A diagnosis that progress stopped
     says so in its summary, or raises ComputationError. Source: docs/theory/diagnosis.md.
-    C++: tasks::diagnose in hydrapod/tasks/fit.hpp.
+    C++: tasks::diagnose in hydrapod/tasks/measurement.hpp.
     """
     with files_of(measured) as files, all_or_none(progress, parts=True) as told:
         return _core.diagnose(_core_of(machine), _diagnosis(files, dict(
@@ -468,7 +468,7 @@ def report(machine: Machine, path: Optional[Path] = None, *, poses: Texts = (), 
     show this comparison, a Compared or the JSON of `hydrapod compare`. In a notebook the result shows the page in a
     frame. Result: html, write(path), to_dict(). Raises InputError for what cannot be read or written,
     ComputationError where progress stops. Source: docs/howto/report.md. C++: tasks::report_document in
-    hydrapod/tasks/fit.hpp.
+    hydrapod/tasks/measurement.hpp.
     """
     with files_of(() if measured is None else measured) as records, \
             files_of(() if diagnose is None else diagnose) as causes, \

@@ -1,7 +1,7 @@
 #pragma once
 /// Options of measurements, which the tasks that explain them take too.
 
-#include "hydrapod/tasks/fit.hpp"
+#include "hydrapod/tasks/measurement.hpp"
 #include "support.hpp"
 
 namespace hydrapod::python {

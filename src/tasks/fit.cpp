@@ -1,4 +1,4 @@
-#include "hydrapod/tasks/fit.hpp"
+#include "hydrapod/tasks/measurement.hpp"
 
 #include <fmt/format.h>
 

@@ -19,7 +19,7 @@
 #include "hydrapod/reproduction.hpp"
 #include "hydrapod/studio/plans.hpp"
 #include "hydrapod/studio/studio_json.hpp"
-#include "hydrapod/tasks/fit.hpp"
+#include "hydrapod/tasks/measurement.hpp"
 #include "hydrapod/terminal.hpp"
 
 namespace hydrapod::studio {
