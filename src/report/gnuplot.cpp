@@ -142,7 +142,8 @@ std::string shortened(std::string_view text, std::size_t most) {
 }  // namespace
 
 std::string titles(const std::string& title, const std::string& subtitle, int width, int height) {
-  constexpr double character = 6.4, small = 5.8, title_character = 9.0;  // mean widths [pixels]
+  constexpr double character = 6.4, small = 5.8;                  // mean widths [pixels]
+  constexpr double title_character = 10.0, small_of_title = 8.6;  // of sizes 14 and 12
   const auto fitting = [&](double one) {
     return static_cast<std::size_t>(std::max(12.0, (width - 20.0) / one));
   };
@@ -156,11 +157,12 @@ std::string titles(const std::string& title, const std::string& subtitle, int wi
     below = quoted(std::string(first));
     if (!rest.empty()) below += ".\"\\n\"." + quoted(shortened(rest, fitting(small)));
   }
+  const bool fits = base::characters(title) <= fitting(title_character);
   return fmt::format(
-      "set label 101 {} at screen 0.5,{:.4f} center font ',14'\n"
+      "set label 101 {} at screen 0.5,{:.4f} center font ',{}'\n"
       "set label 102 {} at screen 0.5,{:.4f} center font ',{}' tc rgb '#444444'\n",
-      quoted(shortened(title, fitting(title_character))), 1.0 - 22.0 / height, below,
-      1.0 - 46.0 / height, size);
+      quoted(shortened(title, fitting(fits ? title_character : small_of_title))),
+      1.0 - 22.0 / height, fits ? 14 : 12, below, 1.0 - 46.0 / height, size);
 }
 
 std::string key_below_titles(int height) {
