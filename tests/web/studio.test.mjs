@@ -230,7 +230,7 @@ test('results without a section are shown with their job: map, Monte Carlo, cali
     await job(page, id).locator('[data-control="show-result"]').click();
     return job(page, id).locator('.result');
   };
-  const map = await start('map', { over: 'x=-50:50:5 mm\nz=-50:50:5 mm' });
+  const map = await start('map', { over: 'x=-50:50:5 mm\nz=-50:50:5 mm', worst_over: 'rx=-1:1:3 deg', also: 'stiffness', value: 'stiffness_x' });
   await map.locator('img').waitFor();
   assert.ok(await map.locator('img').evaluate((image) => image.decode().then(() => image.naturalWidth > 100)));
   const scatter = await start('montecarlo', { vary: 'legs.guide_sleeve.stiffness=normal ± 10 % per leg', want: 'x >= 6 Hz', samples: '200' });

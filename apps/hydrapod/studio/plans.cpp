@@ -56,11 +56,15 @@ constexpr Field calibrate_fields[] = {{"targets", "--targets", Use::input, true}
 constexpr Field rig_fields[] = {
     {"excite", "--excite", Use::list}, {"entry", "--entry"}, {"duration", "--duration"},
     {"averages", "--averages"},        {"seed", "--seed"},   {"output", "-o", Use::output, true}};
-constexpr Field map_fields[] = {{"over", "--over", Use::list, true},
-                                {"value", "--value"},
-                                {"want", "--want", Use::list},
-                                {"rows", "--results", Use::output}};
+constexpr Field map_fields[] = {
+    {"over", "--over", Use::list, true}, {"worst_over", "--worst-over", Use::list},
+    {"also", "--also", Use::list},       {"value", "--value"},
+    {"want", "--want", Use::list},       {"rows", "--results", Use::output}};
 constexpr Field montecarlo_fields[] = {{"vary", "--vary", Use::list, true},
+                                       {"correlate", "--correlate", Use::list},
+                                       {"also", "--also", Use::list},
+                                       {"commands", "--command", Use::list},
+                                       {"until", "--until"},
                                        {"want", "--want", Use::list},
                                        {"samples", "--samples"},
                                        {"seed", "--seed"},

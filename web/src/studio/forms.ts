@@ -81,6 +81,8 @@ export const forms: Form[] = [
     what: 'Modes over two directions of the pose.',
     fields: [
       { name: 'over', label: 'Directions, one a line', kind: 'lines', value: pose, required: true },
+      { name: 'worst_over', label: 'Worst over further directions, one a line (optional)', kind: 'lines', hint: 'rx=-5:5:3 deg' },
+      { name: 'also', label: 'Further outputs, one a line (optional)', kind: 'lines', hint: 'stiffness' },
       { name: 'value', label: 'Value shown', kind: 'text', hint: 'lowest' },
       { name: 'want', label: 'Requirements, one a line', kind: 'lines', hint: 'lowest >= 5 Hz' },
       { name: 'rows', label: 'HDF5 file of all rows (optional)', kind: 'path', hint: 'map.h5' },
@@ -92,6 +94,9 @@ export const forms: Form[] = [
     what: 'Effect of scatter on the modes, and the probability of missing a requirement.',
     fields: [
       { name: 'vary', label: 'Distributions, one a line', kind: 'lines', value: 'legs.guide_sleeve.stiffness=normal ± 10 % per leg', required: true },
+      { name: 'correlate', label: 'Correlations, one a line (optional)', kind: 'lines', hint: 'platform.mass, legs.rod.mass = 0.6' },
+      { name: 'commands', label: 'Motion that every sample makes, one a line (optional)', kind: 'lines', hint: 'step z=5 mm' },
+      { name: 'also', label: 'Further outputs, one a line (optional)', kind: 'lines', hint: 'stiffness' },
       { name: 'want', label: 'Requirements, one a line', kind: 'lines', hint: 'x >= 6 Hz' },
       { name: 'samples', label: 'Samples', kind: 'text', hint: '1000' },
       { name: 'rows', label: 'HDF5 file of all rows (optional)', kind: 'path', hint: 'scatter.h5' },
