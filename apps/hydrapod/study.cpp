@@ -24,7 +24,8 @@ namespace {
 
 struct Arguments {
   MachineArguments machine{};
-  std::vector<std::string> vary{}, over{}, want{};
+  std::vector<std::string> vary{}, over{}, worst_over{}, correlate{}, want{}, also{}, command{};
+  std::string until{};
   std::string samples{}, seed{};
   std::string design{};
   bool indices{}, buckling{}, resume{}, join{}, poses{}, no_mpi{}, force{};
@@ -99,6 +100,10 @@ void take_study_file(Arguments& arguments, tasks::StudyOptions& options) {
   if (study.pose && arguments.machine.pose == "neutral") arguments.machine.pose = *study.pose;
   for (const auto& given : study.vary) options.vary.push_back({given.key, given.text, given.place});
   for (const auto& given : study.want) options.want.push_back(given.text);
+  for (const auto& given : study.correlate) options.correlate.push_back({given.text, given.place});
+  for (const auto& name : study.also) options.also.push_back({name, path + ": also"});
+  options.commands = study.command;
+  options.until = study.until;
   if (arguments.samples.empty() && study.samples)
     arguments.samples = std::to_string(*study.samples);
   if (arguments.seed.empty() && study.seed) arguments.seed = std::to_string(*study.seed);
@@ -145,6 +150,12 @@ void write_worst(const tasks::StudyJob& job, const study::Summary& summary,
                                          "worst sample"));
 }
 
+/// Which motion every sample makes; of none empty.
+std::string motion_line(const tasks::StudyJob& job) {
+  return job.commands.empty() ? std::string()
+                              : fmt::format("motion: {}\n", fmt::join(job.commands, "; "));
+}
+
 void report_study(const Arguments& arguments, const tasks::StudyJob& job,
                   const tasks::StudyDone& done, StudyRows& rows, std::size_t format,
                   const char* kind, int ranks) {
@@ -170,16 +181,16 @@ void report_study(const Arguments& arguments, const tasks::StudyJob& job,
         arguments.output,
         json_text(head_of_model(kind, job.machine),
                   report::study_json(job.problem, job.plan, job.requirements, *done.summary)));
-  write_result(
-      arguments.output, format,
-      fmt::format("{}, pose {}, {} model\n{}{}"
-                  "{} rows, seed {}\n\n",
-                  bold(job.machine.file.machine.name, style), job.machine.pose.name,
-                  dynamics::name(job.machine.kind), mechanics_state_line(job.machine.file),
-                  frequencies_line(job.machine.file.machine), done.summary->rows, job.plan.seed) +
-          summary_text(job, *done.summary, style) +
-          (no_drop ? fmt::format("\nLeft out: drop {}.\n", *no_drop) : "") + "\n" +
-          extremes_text(job, *done.summary) + worst_text(job, *done.summary));
+  write_result(arguments.output, format,
+               fmt::format("{}, pose {}, {} model\n{}{}{}"
+                           "{} rows, seed {}\n\n",
+                           bold(job.machine.file.machine.name, style), job.machine.pose.name,
+                           dynamics::name(job.machine.kind), mechanics_state_line(job.machine.file),
+                           frequencies_line(job.machine.file.machine), motion_line(job),
+                           done.summary->rows, job.plan.seed) +
+                   summary_text(job, *done.summary, style) +
+                   (no_drop ? fmt::format("\nLeft out: drop {}.\n", *no_drop) : "") + "\n" +
+                   extremes_text(job, *done.summary) + worst_text(job, *done.summary));
 }
 
 /// What stands in a study file counts where the command line says nothing: so it is read here.
@@ -210,6 +221,18 @@ tasks::StudyOptions options_of(Arguments& arguments, study::Design design, const
                     kind));
   for (const auto& text : arguments.vary) options.vary.push_back(varied("--vary", text));
   for (const auto& text : arguments.over) options.over.push_back(varied("--over", text));
+  for (const auto& text : arguments.worst_over)
+    options.worst_over.push_back(varied("--worst-over", text));
+  for (const auto& text : arguments.correlate)
+    options.correlate.push_back(
+        {text, fmt::format("--correlate \"{}\"", base::printable(text, 100))});
+  for (const auto& name : arguments.also)
+    options.also.push_back({name, "--also " + base::printable(name)});
+  if (arguments.buckling) options.also.push_back({"buckling", "--buckling"});
+  if (!arguments.command.empty()) options.commands = arguments.command;
+  if (!arguments.until.empty())
+    options.until =
+        positive_quantity("--until", arguments.until, "s", "expected a time of more than 0 s");
   options.want.insert(options.want.end(), arguments.want.begin(), arguments.want.end());
   if (options.vary.empty() && options.over.empty())
     base::refuse(kind == std::string_view("montecarlo") ? "--vary" : "--over",
@@ -218,7 +241,6 @@ tasks::StudyOptions options_of(Arguments& arguments, study::Design design, const
   options.plan.seed = whole_number("--seed", arguments.seed, 0, 1);
   options.plan.indices = arguments.indices;
   options.modes = arguments.modes;
-  options.buckling = arguments.buckling;
   return options;
 }
 
@@ -236,7 +258,7 @@ void run_with(Arguments arguments, study::Design design, const char* kind) {
   tasks::StudyRunOptions running{.team = team.get()};
   const auto job = together(team.get(), [&] {
     format = result_format(arguments.format, arguments.output, {"table", "json"});
-    const auto options = options_of(arguments, design, kind);
+    auto options = options_of(arguments, design, kind);
     const auto [shard, shards] = shard_of(arguments.shard, arguments.join);
     require_ending("--results", arguments.results, "h5");
     require_ending("--csv", arguments.csv, "csv");
@@ -250,13 +272,18 @@ void run_with(Arguments arguments, study::Design design, const char* kind) {
     running.shard = shard;
     running.shards = shards;
     running.join = arguments.join;
-    auto prepared = tasks::prepare_study(load(arguments.machine), options);
+    const auto machine = load(arguments.machine);
+    const auto extra = study::extra_outputs(machine.file.machine, machine.kind);
+    if (std::ranges::count(extra, arguments.value, &study::Column::name) > 0)
+      options.also.push_back({arguments.value, "--value " + arguments.value});
+    auto prepared = tasks::prepare_study(machine, options);
     require_results(arguments, prepared);
     tasks::check_run(prepared, running);
     return prepared;
   });
   StudyRows rows(job, arguments.csv, arguments.plot.empty() ? "" : arguments.value,
                  comments_of(job, running.command));
+  for (const auto& warning : job.warnings) print_note("warning: " + warning);
   say_effort(job, running);
   if (rows.are_wanted()) running.take = [&](std::span<const double> some) { rows.take(some); };
   const auto done = with_progress(
@@ -282,7 +309,18 @@ void add_common(Command command, Arguments& arguments) {
         shown_as("NUMBER")},
        {"--seed", arguments.seed, "Seed; sample i depends on seed and i alone; default: 1",
         shown_as("NUMBER")},
-       {"--buckling", arguments.buckling, "Compute the buckling payload too (milliseconds a row)"},
+       {"--also", arguments.also,
+        "Output that is computed where it is asked for: stiffness, force, sag, buckling, …; may be "
+        "repeated",
+        one_each},
+       {"--buckling", arguments.buckling, "The same as --also buckling"},
+       {"--command", arguments.command,
+        "Motion that every sample makes, as of simulate: its errors, settling times, speeds; may "
+        "be "
+        "repeated",
+        reads_each_as("COMMAND")},
+       {"--until", arguments.until,
+        "End of the motion, s or with a unit; default: shortly after it"},
        {"--modes", arguments.modes, "Platform modes that are followed by shape",
         range(1, dynamics::max_dof)},
        {"--threads", arguments.threads, "Threads; default: one per processor", range(1, 1024)},
@@ -326,6 +364,9 @@ void add_montecarlo(Command app) {
         "scatter of the seals"},
        {"montecarlo machine.toml --vary \"platform.mass=uniform 850 .. 950 kg\" --indices",
         "with Sobol indices"},
+       {"montecarlo machine.toml --vary \"legs.guide_sleeve.stiffness=normal ± 10 % per leg "
+        "correlated 0.7\"",
+        "seals of one batch: their numbers are alike"},
        {"montecarlo study.toml --samples 1000 --results run.h5", "from a study file"}},
       study_frequencies);
   auto& arguments = command.calls(&run_montecarlo);
@@ -334,6 +375,9 @@ void add_montecarlo(Command app) {
                         "PATH=DISTRIBUTION (normal, lognormal, uniform, triangular); may "
                         "be repeated",
                         one_each_as("PATH=DISTRIBUTION")},
+                       {"--correlate", arguments.correlate,
+                        "\"PATH, PATH = 0.6\": correlation of two that vary; may be repeated",
+                        one_each_as("PATH, PATH = NUMBER")},
                        {"--design", arguments.design, "random, latin or sobol"},
                        {"--indices", arguments.indices, "Sobol indices, with d + 2 rows a sample"},
                        {"--worst", arguments.worst,
@@ -346,7 +390,10 @@ void add_sweep(Command app) {
       "sweep", "Modes over a grid of parameters, or over values that fill it evenly",
       {{"sweep machine.toml --over \"legs.guide_sleeve.stiffness=2:20:10 kN/mm\"", "ten values"},
        {"sweep machine.toml --over \"platform.mass=800:1000 kg\" --design sobol --samples 4096",
-        "a Sobol sequence"}},
+        "a Sobol sequence"},
+       {"sweep machine.toml --over \"platform.mass=700:900:3 kg\" --command \"step z=1 mm\" "
+        "--until 1",
+        "each value makes a step: error, overshoot, settling time"}},
       study_frequencies);
   auto& arguments = command.calls(&run_sweep);
   add_subject_options(command, arguments.machine);
@@ -366,13 +413,20 @@ void add_map(Command app) {
         "lowest mode over x and z"},
        {"map machine.toml --over \"rx=-10:10:21 deg\" --over \"ry=-10:10:21 deg\" --want \"lowest "
         ">= 5 Hz\"",
-        "poses below 5 Hz"}},
+        "poses below 5 Hz"},
+       {"map machine.toml --over \"x=-50:50:11 mm\" --over \"z=-50:50:11 mm\" --worst-over "
+        "\"rx=-5:5:3 deg\" --also stiffness",
+        "lowest mode and stiffness over three inclinations"}},
       study_frequencies);
   auto& arguments = command.calls(&run_map);
   add_subject_options(command, arguments.machine);
   command.add_options(
       {{"--over", arguments.over,
         "DIRECTION=from:to:count, from the pose; two or three of x, y, z, rx, ry, rz",
+        one_each_as("RANGE")},
+       {"--worst-over", arguments.worst_over,
+        "DIRECTION=from:to:count or a list: every pose has the worst over these displacements; may "
+        "be repeated",
         one_each_as("RANGE")},
        {"--plot", arguments.plot, "Heat map over two directions, .svg, .png or .pdf", writes},
        {"--value", arguments.value, "Output that it shows"}});

@@ -6,6 +6,7 @@
 #include <cctype>
 #include <limits>
 #include <numbers>
+#include <span>
 
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/base/units.hpp"
@@ -27,6 +28,16 @@ model::WrittenUnit unit_of_range(const std::string& range, const std::string& pa
   }
   const auto in_file = model::written_unit(machine_text, path, si);
   return in_file.name.empty() ? model::WrittenUnit{si, 1.0} : in_file;
+}
+
+/// "worst over rx, ry; ", of a map that is one.
+std::string worst_over_text(const tasks::StudyJob& job) {
+  if (!job.problem.beneath) return {};
+  std::vector<std::string_view> names;
+  for (const auto& input :
+       std::span(job.problem.beneath->inputs).subspan(job.problem.inputs.size()))
+    names.push_back(input.name);
+  return fmt::format("worst over {}; ", fmt::join(names, ", "));
 }
 
 }  // namespace
@@ -62,8 +73,9 @@ void plot_map(const tasks::StudyJob& job, const std::vector<std::string>& ranges
   }
   report::plot_field(
       field, fmt::format("{}: {}", job.machine.file.machine.name, found->meaning),
-      fmt::format("pose {}, {} model; machine: {}; grey: no value", job.machine.pose.name,
-                  dynamics::name(job.machine.kind), report::mechanics_state_text(job.machine.file)),
+      fmt::format("pose {}, {} model; machine: {}; {}grey: no value", job.machine.pose.name,
+                  dynamics::name(job.machine.kind), report::mechanics_state_text(job.machine.file),
+                  worst_over_text(job)),
       path);
 }
 

@@ -6,6 +6,7 @@
 #include <array>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 namespace hydrapod::cli {
@@ -62,12 +63,54 @@ std::string indices_text(const tasks::StudyJob& job, const study::Summary& summa
 }
 
 /// "x = 0.1 m, rz = 0.02 rad": the inputs of a row.
-std::string inputs_text(const tasks::StudyJob& job, std::span<const double> values) {
+std::string inputs_text(const std::vector<study::Input>& inputs, std::span<const double> values) {
   std::string text;
-  for (std::size_t i = 0; i < job.problem.inputs.size(); ++i)
-    text += fmt::format("{}{} = {:.5g} {}", i > 0 ? ", " : "", job.problem.inputs[i].name,
-                        values[i], job.problem.inputs[i].unit);
+  for (std::size_t i = 0; i < inputs.size(); ++i)
+    text += fmt::format("{}{} = {:.5g} {}", i > 0 ? ", " : "", inputs[i].name, values[i],
+                        inputs[i].unit);
   return text;
+}
+
+/// A row that is worst in a column; where it is the worst over poses, the worst of these.
+struct WorstRow {
+  const study::Problem& problem;
+  std::vector<double> values{};
+
+  WorstRow(const tasks::StudyJob& job, std::uint64_t row, int column)
+      : problem(job.problem.beneath ? *job.problem.beneath : job.problem),
+        values(tasks::study_row(job, row)) {
+    const auto outer = std::span(values).first(job.problem.inputs.size());
+    if (auto found = study::worst_row(job.problem, outer, column)) values = std::move(*found);
+  }
+  [[nodiscard]] double of(std::string_view name) const {
+    const auto at =
+        std::ranges::find(problem.outputs, name, &study::Column::name) - problem.outputs.begin();
+    return values[problem.inputs.size() + static_cast<std::size_t>(at)];
+  }
+  [[nodiscard]] std::string inputs() const { return inputs_text(problem.inputs, values); }
+};
+
+/// "; between the poses 4.91 Hz at x = 0.01 m": where it is worse there.
+std::string between_text(const tasks::StudyJob& job, const study::OutputSummary& output,
+                         const study::Column& column) {
+  if (!output.between) return {};
+  const auto& [value, inputs] = *output.between;
+  const bool share = column.name.starts_with("drop");
+  return fmt::format("; between the poses {:.4g}{} at {}", share ? 100.0 * value : value,
+                     share                ? " %"
+                     : column.unit == "1" ? ""
+                                          : " " + column.unit,
+                     inputs_text(job.problem.inputs, inputs));
+}
+
+/// "12 % to 34 % of 0.56 m^2"
+std::string reached_text(const std::optional<study::ReachedPart>& part) {
+  if (!part) return {};
+  const auto share = [&](double size) { return 100.0 * size / part->whole; };
+  if (part->least == part->whole)
+    return fmt::format("reached: all of {:.4g} {}\n", part->whole, part->unit);
+  return fmt::format("reached: {:.4g} to {:.4g} {}, {:.3g} to {:.3g} % of the map\n", part->least,
+                     part->most, part->unit, share(part->least), share(part->most));
 }
 
 }  // namespace
@@ -97,37 +140,43 @@ std::string summary_text(const tasks::StudyJob& job, const study::Summary& summa
 std::string extremes_text(const tasks::StudyJob& job, const study::Summary& summary) {
   if (!job.poses) return {};
   const auto& outputs = job.problem.outputs;
-  std::string text;
-  const auto add = [&](const char* name, bool most, const auto& words) {
+  std::string text = reached_text(summary.reached);
+  const auto add = [&](const char* name, const auto& words) {
     const auto column = std::ranges::find(outputs, name, &study::Column::name);
     if (column == outputs.end()) return;
-    const auto& found = summary.outputs[static_cast<std::size_t>(column - outputs.begin())];
+    const auto k = static_cast<int>(column - outputs.begin());
+    const auto& found = summary.outputs[static_cast<std::size_t>(k)];
     if (found.count == 0) return;
-    const auto row = most ? found.most_row : found.least_row;
-    const auto values = tasks::study_row(job, row);
-    const auto of = [&](const char* other) {
-      const auto at = std::ranges::find(outputs, other, &study::Column::name) - outputs.begin();
-      return values[job.problem.inputs.size() + static_cast<std::size_t>(at)];
-    };
-    text += fmt::format("{} at {} (row {})\n", words(of), inputs_text(job, values), row);
+    const auto row = column->worse == study::Worse::more ? found.most_row : found.least_row;
+    const WorstRow worst(job, row, k);
+    text += fmt::format("{} at {} (row {}){}\n",
+                        words([&](const char* other) { return worst.of(other); }), worst.inputs(),
+                        row, between_text(job, found, *column));
   };
   const auto one = [](const char* words, const char* name, const char* unit) {
     return [=](const auto& of) { return fmt::format("{}: {:.4g}{}", words, of(name), unit); };
   };
-  add("lowest", false, one("lowest frequency", "lowest", " Hz"));
-  add("drop", true, [](const auto& of) {
+  add("lowest", one("lowest frequency", "lowest", " Hz"));
+  add("drop", [](const auto& of) {
     return fmt::format(
         "largest drop: {:.3g} % to {:.4g} Hz, {:.3g} % of the motion, peak {:.3g} "
         "times as high,",
         100.0 * of("drop"), of("lowest"), 100.0 * of("share"), of("peak"));
   });
-  add("condition", true, one("largest condition", "condition", ""));
-  add("stroke", false, [](const auto& of) {
+  add("condition", one("largest condition", "condition", ""));
+  add("stroke", [](const auto& of) {
     const double left = of("stroke");
     return left < 0.0 ? fmt::format("farthest beyond the stroke: {:.4g} m", -left)
                       : fmt::format("least stroke left: {:.4g} m", left);
   });
-  add("buckling", false, one("least buckling payload", "buckling", " kg"));
+  const auto& machine = job.machine;
+  for (const auto& column : study::extra_outputs(machine.file.machine, machine.kind)) {
+    const char* end = column.worse == study::Worse::more ? "largest" : "least";
+    add(column.name.c_str(), [&](const auto& of) {
+      return fmt::format("{} {}: {:.4g} {}", end, column.name, of(column.name.c_str()),
+                         column.unit);
+    });
+  }
   return text.empty() ? text : text + "\n";
 }
 
@@ -136,12 +185,14 @@ std::string worst_text(const tasks::StudyJob& job, const study::Summary& summary
   for (std::size_t k = 0; k < job.requirements.size(); ++k) {
     const auto& worst = summary.requirements[k].worst;
     if (!worst) continue;
-    const auto values = tasks::study_row(job, *worst);
-    const std::size_t inputs = job.problem.inputs.size();
-    const auto output = static_cast<std::size_t>(job.requirements[k].output);
-    text += fmt::format("worst for {}: row {}, {} = {:.4g} {}, with {}\n", job.requirements[k].text,
-                        *worst, job.problem.outputs[output].name, values[inputs + output],
-                        job.problem.outputs[output].unit, inputs_text(job, values));
+    const auto& column = job.problem.outputs[static_cast<std::size_t>(job.requirements[k].output)];
+    const WorstRow row(job, *worst, job.requirements[k].output);
+    const auto& output = summary.outputs[static_cast<std::size_t>(job.requirements[k].output)];
+    const bool same_sense = job.requirements[k].at_least == (column.worse == study::Worse::less);
+    text +=
+        fmt::format("worst for {}: row {}, {} = {:.4g} {}, with {}{}\n", job.requirements[k].text,
+                    *worst, column.name, row.of(column.name), column.unit, row.inputs(),
+                    same_sense ? between_text(job, output, column) : "");
   }
   return text;
 }

@@ -13,7 +13,7 @@ from . import _checks, _core
 from ._checks import Texts
 from ._core import Design, Study
 from ._errors import ComputationError
-from ._machine import Machine
+from ._machine import Machine, Quantity
 from ._records import Path
 from ._tasks import Progress, _core_of
 
@@ -29,10 +29,10 @@ def _paths(given: Any, name: str) -> Mapping[str, Any]:
     return given
 
 
-def _texts(varied: Over) -> Dict[str, str]:
+def _texts(varied: Over, name: str = "over") -> Dict[str, str]:
     """Ranges and lists as the command line has them; arrays are lists of numbers in SI."""
     texts = {}
-    for path, given in _paths(varied, "over").items():
+    for path, given in _paths(varied, name).items():
         if isinstance(given, str):
             texts[path] = given
             continue
@@ -55,6 +55,8 @@ def _run(machine: Machine, kind: str, progress: Optional[Progress], results: Opt
         raise ValueError("results: shard, resume and join need the file of the rows")
     with tempfile.TemporaryDirectory(prefix="hydrapod-") as folder:
         path = os.path.join(folder, "study.h5") if results is None else os.fspath(results)
+        for name in ("want", "also", "correlate", "commands"):
+            options[name] = _checks.words(options.get(name, ()), name)
         return _core.study(_core_of(machine), kind, _checks.options(results=path, **options), progress)
 
 
@@ -89,8 +91,10 @@ def _functions(outputs: Optional[Outputs]) -> Dict[str, Callable[[Machine], floa
 
 def _is_column(name: str) -> bool:
     """Whether studies have a column of that name, or may have it."""
-    return re.fullmatch(r"status|lowest|direction|((drop|share|peak)_|pose\.)?r?[xyz]|drop|share|peak|condition|"
-                        r"stroke|mac|mode\d+|buckling.*", name) is not None
+    return re.fullmatch(r"status|lowest|direction|((drop|share|peak|stiffness|force|velocity|acceleration|jerk|"
+                        r"excursion|rms_error|peak_error|peak_motion|settling)_|pose\.)?r?[xyz]|drop|share|peak|"
+                        r"condition|stroke|mac|mode\d+|buckling.*|power|sag|oil_force|peak_speed|peak_drive|limited",
+                        name) is not None
 
 
 def _checked_function(function: Any, name: str) -> None:
@@ -100,33 +104,41 @@ def _checked_function(function: Any, name: str) -> None:
 
 def montecarlo(machine: Machine, vary: Mapping[str, str], *, want: Texts = (), outputs: Optional[Outputs] = None,
                samples: int = 10000, seed: int = 1, design: str = "random", indices: bool = False, modes: int = 6,
+               also: Texts = (), correlate: Texts = (), commands: Texts = (), until: Optional[Quantity] = None,
                buckling: bool = False, threads: int = 0, results: Optional[Path] = None, resume: bool = False,
                shard: Optional[Tuple[int, int]] = None, join: bool = False,
                progress: Optional[Progress] = None) -> Study:
     """Scatter of numbers of the file: distributions of modes, probability of missing a requirement.
 
-    vary: {PATH: "normal ± 10 %"}; normal, lognormal, uniform, triangular, "… per leg". want: requirements,
-    "x >= 6 Hz". outputs: {NAME: function of a Machine} adds columns of your own, see Study.evaluate; where progress
-    stops the study they are NaN. samples: rows. design: random, latin or sobol. indices: Sobol indices, with d + 2 rows a sample. modes:
-    those of the platform that are followed. buckling: the buckling payload too. results: HDF5 file of the rows, which
+    vary: {PATH: "normal ± 10 %"}; normal, lognormal, uniform, triangular, "… per leg", "… per leg correlated 0.6".
+    correlate: "PATH, PATH = 0.6", correlations of two that vary. want: requirements, "x >= 6 Hz". also: outputs that
+    are computed where they are asked for: stiffness, force, velocity, acceleration, jerk, excursion (six directions
+    each), sag, oil_force, power, buckling. commands, until [s]: a motion as of simulate() that every sample makes:
+    rms_error_x …, peak_error_x …, peak_motion_x …, settling_x …, peak_speed, peak_drive, limited. outputs: {NAME:
+    function of a Machine} adds columns of your own, see Study.evaluate; where progress stops the study they are NaN.
+    samples: rows. design: random, latin or sobol. indices: Sobol indices, with d + 2 rows a sample. modes: those of
+    the platform that are followed. buckling: the same as also="buckling". results: HDF5 file of the rows, which
     resume (go on with it), shard=(i, n) (part i of n) and join (put the parts together) need.
 
     Result, N rows: values (N, columns) [SI, frequencies in Hz: undamped ones, with elastomers those of the damped
     modes], names, units, meanings; study["x"] is a column, NaN where it cannot be computed; study["status"] says
-    why. requirements, probability_of_missing and probability_interval (95 %), worst_rows; machine(row); to_records(), to_pandas(); the rest in to_dict().
+    why. requirements, probability_of_missing and probability_interval (95 %), worst_rows; machine(row);
+    to_records(), to_pandas(); the rest in to_dict().
     Raises InputError for a path, a distribution or a requirement that cannot be, ValueError and TypeError for outputs
     that cannot be columns. Source: docs/theory/study.md. C++: tasks::prepare_study in hydrapod/tasks/study.hpp.
     """
     return _with_outputs(machine, "montecarlo", progress, results, outputs,
                          vary={path: _checks.word(text, path) for path, text in _paths(vary, "vary").items()},
-                         want=_checks.words(want, "want"), samples=samples, seed=seed, design=design, indices=indices,
-                         modes=modes, buckling=buckling, threads=threads, resume=resume, shard=shard, join=join)
+                         want=want, also=also, correlate=correlate, commands=commands, until=until, samples=samples,
+                         seed=seed, design=design, indices=indices, modes=modes, buckling=buckling, threads=threads,
+                         resume=resume, shard=shard, join=join)
 
 
 def sweep(machine: Machine, over: Over, *, want: Texts = (), outputs: Optional[Outputs] = None,
-          design: str = "grid", samples: int = 10000, seed: int = 1, modes: int = 6, buckling: bool = False,
-          threads: int = 0, results: Optional[Path] = None, resume: bool = False,
-          shard: Optional[Tuple[int, int]] = None, join: bool = False, progress: Optional[Progress] = None) -> Study:
+          design: str = "grid", samples: int = 10000, seed: int = 1, modes: int = 6, also: Texts = (),
+          commands: Texts = (), until: Optional[Quantity] = None, buckling: bool = False, threads: int = 0,
+          results: Optional[Path] = None, resume: bool = False, shard: Optional[Tuple[int, int]] = None,
+          join: bool = False, progress: Optional[Progress] = None) -> Study:
     """Modes over a grid of numbers, or over values that fill it evenly.
 
     over: {PATH: "2:20:10 kN/mm"}, a list "1, 2, 5 kN/mm", or an array in SI. outputs: {NAME: function of a
@@ -137,26 +149,32 @@ def sweep(machine: Machine, over: Over, *, want: Texts = (), outputs: Optional[O
     C++: tasks::prepare_study in hydrapod/tasks/study.hpp.
     """
     return _with_outputs(machine, "sweep", progress, results, outputs, over=_texts(over),
-                         want=_checks.words(want, "want"), design=design, samples=samples, seed=seed, modes=modes,
-                         buckling=buckling, threads=threads, resume=resume, shard=shard, join=join)
+                         want=want, also=also, commands=commands, until=until, design=design, samples=samples,
+                         seed=seed, modes=modes, buckling=buckling, threads=threads, resume=resume, shard=shard,
+                         join=join)
 
 
-def workspace_map(machine: Machine, over: Over, *, want: Texts = (), outputs: Optional[Outputs] = None,
-                  modes: int = 6, buckling: bool = False, threads: int = 0, results: Optional[Path] = None,
-                  resume: bool = False, shard: Optional[Tuple[int, int]] = None, join: bool = False,
-                  progress: Optional[Progress] = None) -> Study:
+def workspace_map(machine: Machine, over: Over, *, worst_over: Optional[Over] = None, want: Texts = (),
+                  outputs: Optional[Outputs] = None, modes: int = 6, also: Texts = (), commands: Texts = (),
+                  until: Optional[Quantity] = None, buckling: bool = False, threads: int = 0,
+                  results: Optional[Path] = None, resume: bool = False, shard: Optional[Tuple[int, int]] = None,
+                  join: bool = False, progress: Optional[Progress] = None) -> Study:
     """Modes over the workspace.
 
-    over: {DIRECTION: "-100:100:41 mm"} or arrays [m, rad]; directions x … rz, from the machine's pose.
+    over: {DIRECTION: "-100:100:41 mm"} or arrays [m, rad]; directions x … rz, from the machine's pose. worst_over:
+    the same; every pose has the worst value over all these displacements, and none where one of them is not reached.
     Result: as sweep(); the columns of the displacements are "pose.x" …, for "x" is the first resonance in x.
     Raises as sweep(). outputs need a map from the pose neutral. Source: docs/theory/study.md.
     C++: tasks::prepare_study in hydrapod/tasks/study.hpp.
     """
     if outputs and machine.pose != "neutral":
         raise ValueError(f"outputs: need a map from the pose neutral, and the machine is at {machine.pose}")
+    if outputs and worst_over:
+        raise ValueError("outputs: cannot be the worst over poses; leave worst_over out")
     return _with_outputs(machine, "map", progress, results, outputs, over=_texts(over),
-                         want=_checks.words(want, "want"), modes=modes, buckling=buckling, threads=threads,
-                         resume=resume, shard=shard, join=join)
+                         worst_over=_texts(worst_over or {}, "worst_over"), want=want, modes=modes, also=also,
+                         commands=commands, until=until, buckling=buckling, threads=threads, resume=resume,
+                         shard=shard, join=join)
 
 
 def design(machine: Machine, change: Mapping[str, Any], *, minimise: Texts = (), maximise: Texts = (), want: Texts = (),

@@ -1,7 +1,11 @@
 /// Studies: Monte Carlo, sweeps, maps. Their rows as one array.
 
 #include "hydrapod/tasks/study.hpp"
+
+#include <fmt/format.h>
+
 #include "hydrapod/base/error.hpp"
+#include "hydrapod/base/text.hpp"
 #include "hydrapod/report/model_results.hpp"
 #include "support.hpp"
 
@@ -42,13 +46,25 @@ std::vector<tasks::Varied> varied(const Options& asked, const char* name) {
   return list;
 }
 
+std::vector<tasks::Asked> texts(const Options& asked, const char* name) {
+  std::vector<tasks::Asked> list;
+  for (const auto& text : asked.get<Names>(name))
+    list.push_back({text, fmt::format("{} {}", name, base::printable(text))});
+  return list;
+}
+
 tasks::StudyOptions study_options(const std::string& kind, const Options& asked) {
   tasks::StudyOptions options{.vary = varied(asked, "vary"),
                               .over = varied(asked, "over"),
+                              .worst_over = varied(asked, "worst_over"),
                               .poses = kind == "map",
+                              .correlate = texts(asked, "correlate"),
                               .want = asked.get<Names>("want"),
                               .modes = asked.get("modes", 6),
-                              .buckling = asked.get("buckling", false)};
+                              .also = texts(asked, "also"),
+                              .commands = asked.get<Names>("commands"),
+                              .until = asked.positive("until", "s")};
+  if (asked.get("buckling", false)) options.also.push_back({"buckling", "buckling"});
   if (options.vary.empty() && options.over.empty())
     base::refuse(kind == "montecarlo" ? "vary" : "over",
                  "expected at least one number that varies");

@@ -106,6 +106,17 @@ studies = {
                          lambda m: hydrapod.sweep(m, {"platform.mass": "700:900 kg"}, design="latin", samples=20)),
     "map": (["map", "--over", "x=-3:3:4 mm", "--over", "rz=-0.2:0.2:3 deg", "--want", "drop <= 3 %"],
             lambda m: hydrapod.workspace_map(m, {"x": "-3:3:4 mm", "rz": "-0.2:0.2:3 deg"}, want="drop <= 3 %")),
+    "map over the worst": (["map", "--over", "x=-3:3:3 mm", "--over", "z=-1:1:3 mm", "--worst-over", "rx=-0.2:0.2:3 deg",
+                            "--also", "stiffness", "--want", "lowest >= 3 Hz"],
+                           lambda m: hydrapod.workspace_map(
+                               m, {"x": "-3:3:3 mm", "z": "-1:1:3 mm"}, worst_over={"rx": "-0.2:0.2:3 deg"},
+                               also="stiffness", want="lowest >= 3 Hz")),
+    "correlated": (["montecarlo", "--vary", "platform.mass=normal ± 1 %", "--vary",
+                    "legs.rod.mass=normal ± 5 % per leg correlated 0.8", "--correlate",
+                    "platform.mass, legs.rod.mass = -0.3", "--samples", "150"],
+                   lambda m: hydrapod.montecarlo(
+                       m, {"platform.mass": "normal ± 1 %", "legs.rod.mass": "normal ± 5 % per leg correlated 0.8"},
+                       correlate="platform.mass, legs.rod.mass = -0.3", samples=150)),
 }
 
 

@@ -76,6 +76,21 @@ def test_map(heavy, tmp_path):
         hydrapod.plot_map(hydrapod.montecarlo(heavy, {"platform.mass": "uniform ± 1 %"}, samples=5))
 
 
+def test_map_has_the_end_of_the_stroke(heavy, tmp_path):
+    def dashed(axes):
+        return [one for one in axes.collections if any(style[1] for style in one.get_linestyle())]
+
+    beyond = hydrapod.workspace_map(heavy, {"z": "-300:600:10 mm", "x": "-40:40:5 mm"})
+    assert (beyond["stroke"] < 0.0).any() and (beyond["stroke"] > 0.0).any()
+    lines = dashed(drawn(hydrapod.plot_map(beyond, "condition"), tmp_path / "beyond.png")[0])
+    assert lines
+    z = np.concatenate([path.vertices[:, 0] for line in lines for path in line.get_paths()])
+    rows = np.flatnonzero(beyond["stroke"] < 0.0)
+    assert z.max() <= 600.0 and np.abs(z - 1e3 * beyond["pose.z"][rows].min()).min() < 100.0
+    inside = hydrapod.workspace_map(heavy, {"z": "-20:20:3 mm", "x": "-20:20:3 mm"})
+    assert not dashed(hydrapod.plot_map(inside).axes[0])
+
+
 def test_diagnosis(heavy, tmp_path):
     table = tmp_path / "modes.csv"
     rows = [f"neutral,{f:.3f} Hz" for f in hydrapod.modes(heavy).frequency_hz[:6]]

@@ -51,6 +51,18 @@ def test_map_poses(heavy):
         study.machine(4)
 
 
+def test_motions_of_samples(heavy):
+    study = hydrapod.sweep(heavy, {"platform.mass": [13.1e3, 14.9e3]}, commands="step z=1 mm, at=0.1", until="0.7 s",
+                           want="peak_error_z <= 2 mm", also=["sag", "stiffness"])
+    for row in range(2):
+        run = hydrapod.simulate(study.machine(row), "step z=1 mm, at=0.1", until=0.7)
+        assert study["rms_error_z"][row] == run.to_dict()["directions"][2]["rms_error"]
+    assert study.probability_of_missing[0] == 0.0
+    assert (study["stiffness_z"] > study["stiffness_x"]).all() and (study["sag"] > 1e-3).all()
+    with pytest.raises(ValueError, match="worst over"):
+        hydrapod.workspace_map(heavy, {"x": [0.0, 0.01]}, worst_over={"rx": [0.0, 0.01]}, outputs={"one": lambda m: 1.0})
+
+
 def test_requirements_are_what_the_rows_say(heavy):
     study = hydrapod.montecarlo(heavy, {sleeve: "lognormal ± 1 % per leg"}, samples=400, want=["lowest >= 4 Hz"])
     assert (study["status"] == 0).all()

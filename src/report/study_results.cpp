@@ -29,6 +29,8 @@ Json output_json(const study::Column& column, const study::OutputSummary& output
     json["quantiles"].push_back({{"probability", quantile.probability},
                                  {"value", quantile.value},
                                  {"interval", interval_json(quantile.interval)}});
+  if (output.between)
+    json["worst_between"] = {{"value", output.between->value}, {"inputs", output.between->inputs}};
   return json;
 }
 
@@ -59,6 +61,12 @@ Json study_json(const study::Problem& problem, const study::Plan& plan,
   json["inputs"] = Json::array();
   for (const auto& input : problem.inputs)
     json["inputs"].push_back({{"path", input.name}, {"unit", input.unit}});
+  if (problem.beneath)
+    for (std::size_t k = problem.inputs.size(); k < problem.beneath->inputs.size(); ++k) {
+      const auto& input = problem.beneath->inputs[k];
+      json["worst_over"].push_back(
+          {{"path", input.name}, {"unit", input.unit}, {"values", input.distribution.list}});
+    }
   constexpr std::array names{"computed", "not_allowed", "out_of_reach", "no_equilibrium",
                              "buckled"};
   for (std::size_t k = 0; k < names.size(); ++k)
@@ -70,6 +78,11 @@ Json study_json(const study::Problem& problem, const study::Plan& plan,
   json["requirements"] = Json::array();
   for (std::size_t k = 0; k < requirements.size(); ++k)
     json["requirements"].push_back(requirement_json(requirements[k], summary.requirements[k]));
+  if (summary.reached)
+    json["reached"] = {{"least", summary.reached->least},
+                       {"most", summary.reached->most},
+                       {"whole", summary.reached->whole},
+                       {"unit", summary.reached->unit}};
   for (std::size_t k = 0; k < summary.indices.size(); ++k) {
     const auto& indices = summary.indices[k];
     if (indices.first.empty() || static_cast<int>(k) == problem.status) continue;

@@ -6,120 +6,19 @@
 #include <limits>
 #include <memory>
 
+#include "extra_outputs.hpp"
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/modal/damped_modes.hpp"
 #include "hydrapod/modal/normal_modes.hpp"
-#include "hydrapod/simulation/capability.hpp"
-#include "hydrapod/study/study.hpp"
+#include "hydrapod/study/design.hpp"
 #include "machine_outputs.hpp"
 
 namespace hydrapod::study {
 
 namespace {
 
-using dynamics::LinearModel;
 using dynamics::ModelKind;
-using simulation::Ability;
-
-constexpr std::array abilities{Ability::force, Ability::velocity, Ability::acceleration,
-                               Ability::jerk, Ability::excursion};
-constexpr std::array<std::array<const char*, 2>, simulation::ability_count> ability_units{
-    {{"N", "N m"}, {"m/s", "rad/s"}, {"m/s^2", "rad/s^2"}, {"m/s^3", "rad/s^3"}, {"m", "rad"}}};
-
-/// Outputs beside those of machine_problem(); a machine has some of them.
-struct Extra {
-  enum { power, sag, oil_force, first_ability };
-  static constexpr int count = first_ability + 6 * simulation::ability_count;
-};
-
-/// What bears the axial force of a leg.
-const char* axial_words(model::LegType type) {
-  switch (type) {
-    case model::LegType::strut:
-      return "of a strut";
-    case model::LegType::screw:
-      return "of the screw of a leg";
-    default:
-      return "of the oil of a leg";
-  }
-}
-
-std::vector<Column> all_extra_columns(model::LegType type) {
-  std::vector<Column> columns{
-      {"power", "W", "supply pressure above return pressure times the flow of the pump"},
-      {"sag", "m", "largest static offset of a rod at its guide sleeve"},
-      {"oil_force", "N",
-       fmt::format("largest static force {}, pushed or pulled", axial_words(type))}};
-  for (std::size_t a = 0; a < abilities.size(); ++a)
-    for (std::size_t d = 0; d < 6; ++d)
-      columns.push_back(
-          {fmt::format("{}_{}", simulation::name(abilities[a]), spatial::direction_names[d]),
-           ability_units[a][d < 3 ? 0 : 1],
-           fmt::format("{} from rest in {}, the smaller of both senses",
-                       simulation::name(abilities[a]), spatial::direction_names[d])});
-  return columns;
-}
-
-/// Why the machine does not have the output; none: it has.
-std::optional<std::string> why_missing(const model::Machine& machine, int extra) {
-  const auto type = model::leg_type(machine);
-  const auto without = [&](const char* what) {
-    return fmt::format("{}, and {}s have none", what, model::name(type));
-  };
-  const bool screws = type == model::LegType::screw, struts = type == model::LegType::strut;
-  if (extra == Extra::power) {
-    if (screws || struts) return without("is that of the pump");
-    if (machine.hydraulics.supply.pump_flow) return std::nullopt;
-    return "is that of the pump, and the machine file gives no flow of a pump; add --set "
-           "supply.pump_flow=…";
-  }
-  if (extra == Extra::sag && struts) return without("is an offset at guide sleeves");
-  if (extra < Extra::first_ability) return std::nullopt;
-  if (struts) return without("is a limit of drives");
-  if (!screws) return std::nullopt;
-  const auto ability = static_cast<std::size_t>(extra - Extra::first_ability) / 6;
-  if (abilities[ability] == Ability::jerk)
-    return "is not limited: the model has no limit of how fast the torque of a motor changes";
-  const auto is_limited = [](const model::Leg& leg) {
-    return leg.screw->torque_limit && leg.screw->speed_limit;
-  };
-  if (std::ranges::all_of(machine.legs, is_limited)) return std::nullopt;
-  return "needs the limits of every motor; expected legs.screw.torque_limit and "
-         "legs.screw.speed_limit";
-}
-
-/// Numbers of the outputs that the machine has.
-std::vector<int> extras_of(const model::Machine& machine) {
-  std::vector<int> extras;
-  for (int extra = 0; extra < Extra::count; ++extra)
-    if (!why_missing(machine, extra)) extras.push_back(extra);
-  return extras;
-}
-
-double pump_power(const model::Supply& supply) {
-  if (!supply.pump_flow) return missing;
-  return (supply.pressure - supply.return_pressure) * *supply.pump_flow;
-}
-
-void add_statics(const model::Machine& machine, const LinearModel& linear,
-                 std::span<double> extra) {
-  extra[Extra::sag] = extra[Extra::oil_force] = 0.0;
-  if (machine.gravity.isZero(0.0)) return;
-  for (int i = 0; i < model::leg_count; ++i) {
-    const auto at = static_cast<std::size_t>(i);
-    extra[Extra::sag] = std::max(extra[Extra::sag], linear.legs[at].sleeve_offset.norm());
-    extra[Extra::oil_force] =
-        std::max(extra[Extra::oil_force], std::abs(linear.statics.legs[at].oil_force));
-  }
-}
-
-void add_abilities(const simulation::Capability& found, std::span<double> extra) {
-  for (std::size_t a = 0; a < abilities.size(); ++a)
-    for (int d = 0; d < 6; ++d)
-      extra[Extra::first_ability + 6 * a + static_cast<std::size_t>(d)] =
-          std::min(found.of(abilities[a], d, 0).value, found.of(abilities[a], d, 1).value);
-}
 
 /// Which mode an output is the frequency of, or the frequency and that of rigid legs.
 struct OfMode {
@@ -166,9 +65,10 @@ struct ModesAndDerivatives {
 
 /// The machine that modes are followed from: with its own numbers, or where these have no modes
 /// with others between the bounds.
-Problem nominal_problem(const DesignProblem& problem, const model::NamedPose& pose, bool buckling) {
+Problem nominal_problem(const DesignProblem& problem, const model::NamedPose& pose,
+                        std::vector<std::string> also) {
   const MachineOptions options{
-      .kind = problem.kind, .X_BP = pose.X_BP, .buckling = buckling, .pose = pose.name};
+      .kind = problem.kind, .X_BP = pose.X_BP, .also = std::move(also), .pose = pose.name};
   std::string why;
   for (const double share : {-1.0, 1.0, 0.5, 0.75, 0.25, 0.0}) {
     std::vector<double> values;
@@ -190,10 +90,9 @@ Problem nominal_problem(const DesignProblem& problem, const model::NamedPose& po
 }  // namespace
 
 std::vector<Column> design_outputs(const DesignProblem& problem) {
-  auto columns = nominal_problem(problem, problem.poses.front(), true).outputs;
-  const auto all = all_extra_columns(model::leg_type(problem.machine));
-  for (const int extra : extras_of(problem.machine))
-    columns.push_back(all[static_cast<std::size_t>(extra)]);
+  auto columns = nominal_problem(problem, problem.poses.front(), {}).outputs;
+  const auto extra = extra_outputs(problem.machine, problem.kind);
+  columns.insert(columns.end(), extra.begin(), extra.end());
   for (const auto& own : problem.own) {
     const auto& name = own.column.name;
     if (std::ranges::count(columns, name, &Column::name) > 0 ||
@@ -207,10 +106,7 @@ std::vector<Column> design_outputs(const DesignProblem& problem) {
 std::optional<std::string> why_no_output(const model::Machine& machine, ModelKind kind,
                                          std::string_view name) {
   if (auto why = why_no_column(machine, kind, name)) return why;
-  const auto all = all_extra_columns(model::leg_type(machine));
-  const auto found = std::ranges::find(all, name, &Column::name);
-  if (found == all.end()) return std::nullopt;
-  return why_missing(machine, static_cast<int>(found - all.begin()));
+  return why_no_extra(machine, kind, name);
 }
 
 struct DesignModel::Parts {
@@ -220,9 +116,7 @@ struct DesignModel::Parts {
   std::vector<Input> changes{};
   std::vector<Column> columns{};
   std::vector<int> wanted{};
-  std::vector<int> extras{};     ///< those that stand behind the problem's outputs
-  std::vector<OwnOutput> own{};  ///< those behind the extras; without a function: not wanted
-  bool statics{}, capability{};
+  std::vector<OwnOutput> own{};  ///< the last columns; without a function: not wanted
   Problem problem{};
   Model alone{};
   BatchModel batch{};
@@ -240,14 +134,8 @@ struct DesignModel::Parts {
     for (std::size_t k = 0; k < row.size(); ++k)
       if (column_of[k] >= 0) outputs[static_cast<std::size_t>(column_of[k])] = row[k];
     if (row[static_cast<std::size_t>(problem.status)] != 0.0) return;
-    std::array<double, Extra::count> extra{};
-    extra.fill(missing);
-    add_extra(values, extra);
-    const auto behind = outputs.last(extras.size() + own.size());
-    for (std::size_t k = 0; k < extras.size(); ++k)
-      behind[k] = extra[static_cast<std::size_t>(extras[k])];
-    for (std::size_t k = 0; k < own.size(); ++k)
-      behind[extras.size() + k] = own_value(own[k], values);
+    const auto behind = outputs.last(own.size());
+    for (std::size_t k = 0; k < own.size(); ++k) behind[k] = own_value(own[k], values);
   }
 
   [[nodiscard]] double own_value(const OwnOutput& output, std::span<const double> values) const {
@@ -256,18 +144,6 @@ struct DesignModel::Parts {
       return output.of(values, pose);
     } catch (const base::ComputationError&) {
       return missing;
-    }
-  }
-
-  void add_extra(std::span<const double> values, std::span<double> extra) const {
-    const auto changed = machine_of(machine, changes, values);
-    extra[Extra::power] = pump_power(changed.hydraulics.supply);
-    try {
-      if (statics) add_statics(changed, dynamics::linear_model(changed, at(changed), kind), extra);
-      if (!capability) return;
-      if (const auto found = simulation::capability(changed, at(changed), kind, false))
-        add_abilities(*found, extra);
-    } catch (const base::ComputationError&) {  // then they stay without a value
     }
   }
 
@@ -294,23 +170,16 @@ DesignModel::DesignModel(const DesignProblem& problem, const model::NamedPose& p
   parts.changes = problem.changes;
   parts.columns = problem.outputs;
   parts.wanted = std::move(wanted);
-  parts.extras = extras_of(problem.machine);
   parts.own = problem.own;
-  const auto first_own = static_cast<int>(problem.outputs.size() - parts.own.size());
-  const auto first_extra = first_own - static_cast<int>(parts.extras.size());
+  const std::size_t first_own = problem.outputs.size() - parts.own.size();
   for (std::size_t k = 0; k < parts.own.size(); ++k)
-    if (std::ranges::count(parts.wanted, first_own + static_cast<int>(k)) == 0)
+    if (std::ranges::count(parts.wanted, static_cast<int>(first_own + k)) == 0)
       parts.own[k].of = {};
-  bool buckling = false;
-  for (const int column : parts.wanted) {
-    if (column >= first_own) continue;
-    const int extra =
-        column < first_extra ? -1 : parts.extras[static_cast<std::size_t>(column - first_extra)];
-    buckling = buckling || problem.outputs[static_cast<std::size_t>(column)].name == "buckling";
-    parts.statics = parts.statics || extra == Extra::sag || extra == Extra::oil_force;
-    parts.capability = parts.capability || extra >= Extra::first_ability;
-  }
-  parts.problem = nominal_problem(problem, pose, buckling);
+  std::vector<std::string> names;
+  for (const int column : parts.wanted)
+    if (const auto k = static_cast<std::size_t>(column); k < first_own)
+      names.push_back(problem.outputs[k].name);
+  parts.problem = nominal_problem(problem, pose, names);
   for (const auto& output : parts.problem.outputs) {
     const auto at = std::ranges::find(parts.columns, output.name, &Column::name);
     parts.column_of.push_back(

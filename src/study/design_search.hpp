@@ -11,7 +11,7 @@
 
 #include <memory>
 
-#include "hydrapod/study/study.hpp"
+#include "hydrapod/study/design.hpp"
 
 namespace hydrapod::study {
 

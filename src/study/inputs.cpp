@@ -43,19 +43,50 @@ void refuse_forbidden(const model::FileNumber& number, const Distribution& d,
                            low < bound.lowest ? low : high, number.unit));
 }
 
+/// A distribution, and what stands behind it: "per leg", "per leg correlated 0.6".
+struct VariationParts {
+  std::string_view distribution{};
+  bool per_leg{};
+  double correlated{};
+};
+
+VariationParts parts_of(std::string_view text, const std::string& place) {
+  constexpr std::string_view per_leg = "per leg", correlated = "correlated";
+  VariationParts parts{.distribution = base::trimmed(text)};
+  auto& rest = parts.distribution;
+  if (const auto at = rest.find(correlated); at != std::string_view::npos) {
+    const auto behind = base::trimmed(rest.substr(at + correlated.size()));
+    rest = base::trimmed(rest.substr(0, at));
+    parts.correlated = read_correlation(behind, place);
+    if (!rest.ends_with(per_leg))
+      base::refuse(place,
+                   "\"correlated\" is how the numbers of the legs depend on each other and stands "
+                   "behind \"per leg\"; --correlate is for numbers of two paths");
+  }
+  parts.per_leg = rest.ends_with(per_leg);
+  if (parts.per_leg) rest = base::trimmed(rest.substr(0, rest.size() - per_leg.size()));
+  return parts;
+}
+
 }  // namespace
+
+double read_correlation(std::string_view text, const std::string& place) {
+  const auto read = base::read_plain_or_quantity(std::string(text), "1");
+  if (!read.ok() || !(std::abs(read.value) <= 1.0))
+    base::refuse(place, fmt::format("'{}' is not a correlation; expected a number from -1 to 1",
+                                    base::printable(std::string(text))));
+  return read.value;
+}
 
 std::vector<Input> read_variation(const model::MachineFile& file, const std::string& path,
                                   const std::string& text, const std::string& place) {
   const auto number = number_at(file, path, place);
-  std::string_view rest = base::trimmed(text);
-  constexpr std::string_view per_leg = "per leg";
-  const bool each = rest.ends_with(per_leg);
-  if (each) rest = base::trimmed(rest.substr(0, rest.size() - per_leg.size()));
+  const auto [rest, each, correlated] = parts_of(text, place);
   Input one{.name = path,
             .unit = number.unit,
             .distribution = read_distribution(rest, number.unit, number.value, place),
-            .id = number.id};
+            .id = number.id,
+            .correlated = correlated};
   refuse_forbidden(number, one.distribution, place);
   if (!each) return {one};
   if (!path.starts_with(model::of_legs))

@@ -106,24 +106,31 @@ std::vector<Column> columns_of(const Kept& kept) {
       {"status", "1",
        "0 computed, 1 number not allowed, 2 pose out of reach, 3 no equilibrium, 4 buckled"},
       {"lowest", "Hz", of + "lowest mode with platform motion"},
-      {"direction", "1", "its main direction, 1 … 6 for x … rz"},
-      {"drop", "1", "its frequency against that of its counterpart with rigid legs, share lost"},
-      {"share", "1", "part of that counterpart which is in it (MAC)"},
-      {"peak", "1", "its peak over that of the counterpart"}};
+      {"direction", "1", "its main direction, 1 … 6 for x … rz", {}, "lowest"},
+      {"drop", "1", "its frequency against that of its counterpart with rigid legs, share lost",
+       Worse::more},
+      {"share", "1", "part of that counterpart which is in it (MAC)", {}, "drop"},
+      {"peak", "1", "its peak over that of the counterpart", {}, "drop"}};
   for (const char* name : spatial::direction_names)
     columns.push_back({name, "Hz", fmt::format("{}first resonance in {}", of, name)});
   for (const char* name : spatial::direction_names)
     columns.push_back({fmt::format("drop_{}", name), "1",
-                       fmt::format("first resonance in {} against rigid legs, share lost", name)});
+                       fmt::format("first resonance in {} against rigid legs, share lost", name),
+                       Worse::more});
+  for (const char* name : spatial::direction_names)
+    columns.push_back({fmt::format("share_{}", name),
+                       "1",
+                       fmt::format("part of the motion in {} that its first resonance holds", name),
+                       {},
+                       fmt::format("drop_{}", name)});
   for (const char* name : spatial::direction_names)
     columns.push_back(
-        {fmt::format("share_{}", name), "1",
-         fmt::format("part of the motion in {} that its first resonance holds", name)});
-  for (const char* name : spatial::direction_names)
-    columns.push_back(
-        {fmt::format("peak_{}", name), "1",
-         fmt::format("peak of the first resonance in {} over that with rigid legs", name)});
-  columns.push_back({"condition", "1", "condition of the Jacobian"});
+        {fmt::format("peak_{}", name),
+         "1",
+         fmt::format("peak of the first resonance in {} over that with rigid legs", name),
+         {},
+         fmt::format("drop_{}", name)});
+  columns.push_back({"condition", "1", "condition of the Jacobian", Worse::more});
   columns.push_back({"stroke", "m", "least stroke left of any leg, negative beyond it"});
   columns.push_back({"mac", "1", "least MAC of the followed modes with the nominal ones"});
   for (std::size_t k = 0; k < kept.nominal.followed.size(); ++k)
@@ -131,8 +138,6 @@ std::vector<Column> columns_of(const Kept& kept) {
                        fmt::format("{}mode that is like mode {} of the nominal machine, {:.4g} Hz",
                                    of, kept.nominal.followed[k] + 1,
                                    hertz(kept.nominal.modes.omega(kept.nominal.followed[k])))});
-  if (kept.options.buckling)
-    columns.push_back({"buckling", "kg", "payload at which the legs buckle; none: not found"});
   return columns;
 }
 
@@ -151,7 +156,6 @@ std::optional<std::string> why_no_column(const model::Machine& machine, ModelKin
   if (drop && rigid)
     return "compares flexible legs with rigid ones, which --model rigid has alone; expected "
            "--model guide or full";
-  if (name == "buckling" && rigid) return "is of flexible legs, and rigid legs do not buckle";
   if (name != "stroke" || std::ranges::any_of(machine.legs, has_stroke)) return {};
   if (struts) return "is what pistons have left, and plain struts have none";
   return "needs the range of the pistons; expected legs.stroke";

@@ -2,6 +2,7 @@
 /// The columns of machine_problem() and how they follow from modes. Private to the module.
 
 #include <limits>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -36,6 +37,7 @@ struct Kept {
   std::vector<Input> inputs{};
   MachineOptions options{};
   Nominal nominal{};
+  std::shared_ptr<const Interruption> interruption{};
 };
 
 /// Throws base::ComputationError where the nominal machine has no modes.
@@ -47,6 +49,7 @@ struct Layout {
                        resonance_peak = 24, condition = 30, stroke = 31, mac = 32, modes = 33;
 };
 
+/// Without extra outputs, which stand behind.
 std::vector<Column> columns_of(const Kept& kept);
 /// Why a machine does not have one of these; none: it has it, or it is none of these.
 std::optional<std::string> why_no_column(const model::Machine& machine, dynamics::ModelKind kind,

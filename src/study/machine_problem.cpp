@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "extra_outputs.hpp"
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/kinematics/legs.hpp"
 #include "hydrapod/modal/damped_modes.hpp"
@@ -14,6 +15,7 @@
 #include "lane_designs.hpp"
 #include "lane_machine.hpp"
 #include "machine_outputs.hpp"
+#include "motion_outputs.hpp"
 
 namespace hydrapod::study {
 
@@ -91,6 +93,8 @@ class Evaluation {
   explicit Evaluation(std::shared_ptr<const Kept> kept)
       : kept_(std::move(kept)),
         machine_(kept_->machine),
+        extra_(machine_, kept_->options.kind, kept_->options.also),
+        motion_(kept_->options.motion, kept_->options.kind, kept_->interruption),
         designs_(usable_kernels().front(), kept_->options.kind,
                  lane_options(machine_, kept_->options.resonance_share),
                  kept_->nominal.followed_shapes) {
@@ -107,6 +111,7 @@ class Evaluation {
 
   void operator()(std::span<const double> inputs, std::span<double> outputs) {
     if (const auto X_BP = begin(inputs, outputs)) compute_alone(*X_BP, outputs);
+    add_behind(inputs, outputs);
   }
 
   /// Several samples, in SIMD lanes; how many of them had to be computed alone.
@@ -121,14 +126,15 @@ class Evaluation {
         ++alone;
         continue;
       }
-      if (kept_->options.buckling) buckling(*X_BP, row.outputs);
       const auto& nominal = kept_->nominal;
       designs_.put(waiting, lane_numbers(machine_, *X_BP, start(nominal.flexible.statics),
                                          start(nominal.rigid.statics)));
       waiting_[static_cast<std::size_t>(waiting)] = row;
       if (++waiting == designs_.lanes()) alone += finish(std::exchange(waiting, 0));
     }
-    return alone + finish(waiting);
+    alone += finish(waiting);
+    for (const auto& row : rows) add_behind(row.inputs, row.outputs);
+    return alone;
   }
 
  private:
@@ -137,17 +143,19 @@ class Evaluation {
     return !kept_->options.poses && !moves_ && nominal.iterations > 0 ? &nominal : nullptr;
   }
 
+  /// Sets the machine; where it stands.
+  spatial::Pose stand(std::span<const double> inputs) {
+    const auto& X_BP = kept_->options.X_BP;
+    if (kept_->options.poses) return displaced(X_BP, kept_->inputs, inputs);
+    for (std::size_t k = 0; k < inputs.size(); ++k) assignments_[k].value = inputs[k];
+    model::assign(machine_, assignments_);
+    return moves_ ? pose_now(machine_, kept_->options.pose, X_BP) : X_BP;
+  }
+
   /// Everything before the model; the pose. None: there is no model, the status is set.
   std::optional<spatial::Pose> begin(std::span<const double> inputs, std::span<double> outputs) {
     std::ranges::fill(outputs, missing);
-    spatial::Pose X_BP = kept_->options.X_BP;
-    if (kept_->options.poses) {
-      X_BP = displaced(X_BP, kept_->inputs, inputs);
-    } else {
-      for (std::size_t k = 0; k < inputs.size(); ++k) assignments_[k].value = inputs[k];
-      model::assign(machine_, assignments_);
-      if (moves_) X_BP = pose_now(machine_, kept_->options.pose, X_BP);
-    }
+    const auto X_BP = stand(inputs);
     const auto refused = refusal(X_BP);
     set(outputs, refused);
     if (refused != Status::not_allowed) outputs[Layout::stroke] = stroke_left_;
@@ -191,7 +199,6 @@ class Evaluation {
       set(sample.outputs, Status::no_equilibrium);
       return false;
     }
-    if (options.buckling) buckling(X_BP, sample.outputs);
     try {
       emplace(sample.rigid, [&] {
         return dynamics::linear_model(machine_, X_BP, ModelKind::rigid,
@@ -211,7 +218,7 @@ class Evaluation {
     for (int lane = 0; lane < count; ++lane) {
       const Row& row = waiting_[static_cast<std::size_t>(lane)];
       if (!designs_.sound(lane)) {
-        (*this)(row.inputs, row.outputs);
+        if (const auto X_BP = begin(row.inputs, row.outputs)) compute_alone(*X_BP, row.outputs);
         ++alone;
         continue;
       }
@@ -239,9 +246,20 @@ class Evaluation {
     }
   }
 
-  void buckling(const spatial::Pose& X_BP, std::span<double> outputs) const {
-    const auto found = dynamics::buckling_payload(machine_, X_BP, kept_->options.kind);
-    if (found.status != dynamics::BucklingStatus::not_found) outputs.back() = found.payload;
+  /// What stands behind the modes. What has none has the payload at which it buckles, at most.
+  void add_behind(std::span<const double> inputs, std::span<double> outputs) {
+    const std::size_t extra = extra_.columns().size(), motion = motion_.columns().size();
+    const double status = outputs[Layout::status];
+    if (extra + motion == 0 || status == static_cast<double>(Status::not_allowed) ||
+        status == static_cast<double>(Status::out_of_reach))
+      return;
+    const auto X_BP = stand(inputs);
+    const auto behind = outputs.last(extra + motion);
+    extra_(machine_, X_BP, behind.first(extra));
+    if (status == 0.0)
+      motion_(machine_, X_BP, behind.last(motion));
+    else
+      extra_.only_buckling(behind.first(extra));
   }
 
   std::shared_ptr<const Kept> kept_;
@@ -249,6 +267,8 @@ class Evaluation {
   std::vector<model::Assignment> assignments_;
   bool moves_{};              ///< inputs are of the pose
   bool bounds_are_enough_{};  ///< to know that a machine is sound
+  ExtraOutputs extra_;
+  MotionOutputs motion_;
   LaneDesigns designs_;
   std::array<Row, most_lanes> waiting_{};
   LinearModel repeating_{};  ///< of a lane whose modes repeat
@@ -300,7 +320,10 @@ Problem without_absent(Problem problem, const Kept& kept) {
     outputs.push_back(problem.outputs[k]);
   }
   if (outputs.size() == problem.outputs.size()) return problem;
-  Problem less{.inputs = problem.inputs, .outputs = std::move(outputs), .status = problem.status};
+  Problem less{.inputs = problem.inputs,
+               .outputs = std::move(outputs),
+               .status = problem.status,
+               .interruption = problem.interruption};
   less.model = [make = problem.model, selection] { return selected(make(), selection); };
   less.batch = [make = problem.batch, selection] { return selected(make(), selection); };
   return less;
@@ -315,14 +338,18 @@ Problem machine_problem(const model::Machine& machine, std::vector<Input> inputs
   kept->inputs = inputs;
   kept->options = options;
   kept->options.X_BP = pose_now(machine, options.pose, options.X_BP);
-  kept->options.buckling = options.buckling && !why_no_column(machine, options.kind, "buckling");
   kept->nominal = nominal_of(machine, options);
   Problem problem{
       .inputs = std::move(inputs), .outputs = columns_of(*kept), .status = Layout::status};
+  kept->interruption = problem.interruption = std::make_shared<Interruption>();
+  const ExtraOutputs extra(machine, options.kind, options.also);
+  const MotionOutputs motion(options.motion, options.kind, {});
+  for (const auto* columns : {&extra.columns(), &motion.columns()})
+    problem.outputs.insert(problem.outputs.end(), columns->begin(), columns->end());
   problem.model = [kept = std::shared_ptr<const Kept>(kept)]() -> Model {
-    return [evaluation = std::make_shared<Evaluation>(kept)](std::span<const double> inputs,
+    return [evaluation = std::make_shared<Evaluation>(kept)](std::span<const double> row,
                                                              std::span<double> outputs) {
-      (*evaluation)(inputs, outputs);
+      (*evaluation)(row, outputs);
     };
   };
   problem.batch = [kept = std::shared_ptr<const Kept>(kept)]() -> BatchModel {

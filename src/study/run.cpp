@@ -23,10 +23,16 @@ std::uint64_t fingerprint(const Problem& problem, const Plan& plan, const std::s
     for (const double value : d.list) text += fmt::format(" {}", value);
   }
   for (const auto& output : problem.outputs) text += fmt::format("\n{}", output.name);
+  for (const double number : problem.correlation.reshaped()) text += fmt::format("\n{}", number);
+  if (problem.beneath)
+    text += fmt::format("\nworst of {}", fingerprint(*problem.beneath, plan, more));
   return hash_of(text.data(), text.size());
 }
 
 namespace {
+
+/// Between two questions whether to stop, where rows take long.
+constexpr auto often_enough = std::chrono::milliseconds(100);
 
 /// Appends to the spool, unbuffered: what was written survives the end of the program.
 class SpoolWriter {
@@ -130,19 +136,36 @@ Evaluator::Evaluator(const Problem& problem) : problem_(problem) {
     model_ = problem.model();
 }
 
-std::size_t Evaluator::rows(const Plan& plan, std::uint64_t first, std::span<double> numbers) {
+std::optional<std::size_t> Evaluator::rows(const Plan& plan, std::uint64_t first,
+                                           std::span<double> numbers,
+                                           const std::function<bool()>& stop) {
   const std::size_t inputs = problem_.inputs.size(), width = inputs + problem_.outputs.size();
   rows_.clear();
   for (std::size_t at = 0; at + width <= numbers.size(); at += width) {
     const auto row = numbers.subspan(at, width);
     const auto x = row.first(inputs);
     place(plan, first++, x);
+    if (problem_.correlation.size() > 0) correlate(problem_.correlation, x);
     for (std::size_t i = 0; i < inputs; ++i) x[i] = quantile(problem_.inputs[i].distribution, x[i]);
     rows_.push_back({x, row.subspan(inputs)});
   }
-  if (batch_) return batch_(rows_);
-  for (const auto& row : rows_) model_(row.inputs, row.outputs);
-  return 0;
+  std::size_t alone = 0;
+  for (std::size_t from = 0; from < rows_.size();) {
+    const auto some = std::span<const Row>(rows_).subspan(
+        from, stop ? std::min(together_, rows_.size() - from) : rows_.size() - from);
+    const auto begun = std::chrono::steady_clock::now();
+    if (batch_)
+      alone += batch_(some);
+    else
+      for (const auto& row : some) model_(row.inputs, row.outputs);
+    from += some.size();
+    if (!stop) continue;
+    const auto taken = std::chrono::steady_clock::now() - begun;
+    if (taken > often_enough && together_ > 1) together_ /= 2;
+    if (taken > often_enough / 4 && stop()) return std::nullopt;
+  }
+  if (stop && problem_.interruption && stop()) return std::nullopt;
+  return alone;
 }
 
 RunResult run(const Problem& problem, const Plan& plan, const RunOptions& options,
@@ -152,31 +175,44 @@ RunResult run(const Problem& problem, const Plan& plan, const RunOptions& option
   SpoolWriter spool(options.spool, head, options.resume, options.replace);
   RunResult result{.first = head.first, .count = head.count, .resumed = spool.done()};
   result.held = spool.held();
-  constexpr std::size_t batch = 32;  // chunks: 5 ms between two writes where a row takes 5 µs
-  std::vector<std::vector<double>> chunks(batch, std::vector<double>(chunk_rows * head.width + 1));
+  constexpr std::size_t most = 32;      // chunks between two writes,
+  constexpr double long_enough = 5e-3;  // [s] or as many as take this
+  std::vector<std::vector<double>> chunks(most, std::vector<double>(chunk_rows * head.width + 1));
   bool stopped = false;
   std::atomic<std::uint64_t> alone{0};
   Evaluators evaluators(problem);
+  numerics::Watch watch(progress);
+  const Interruptible interruptible(problem, [&] { return watch.stopped(); });
+  std::size_t batch =
+      static_cast<std::size_t>(options.threads > 0 ? options.threads : numerics::processor_count());
   while (!stopped && spool.done() < head.count) {
     const std::uint64_t from = spool.done(), left = head.count - from;
-    const auto now = std::min<std::size_t>(batch, (left + chunk_rows - 1) / chunk_rows);
+    const auto now =
+        std::min<std::size_t>(std::min(batch, most), (left + chunk_rows - 1) / chunk_rows);
     std::vector<std::atomic<bool>> ready(now);
     const auto rows_in = [&](std::size_t k) { return std::min(chunk_rows, left - k * chunk_rows); };
+    const auto started = std::chrono::steady_clock::now();
     stopped = !numerics::parallel_for(
         now, options.threads,
         [&](std::size_t k) {
           auto evaluator = evaluators.take();
-          alone += evaluator->rows(plan, head.first + from + k * chunk_rows,
-                                   std::span(chunks[k]).first(rows_in(k) * head.width));
+          const auto done = evaluator->rows(plan, head.first + from + k * chunk_rows,
+                                            std::span(chunks[k]).first(rows_in(k) * head.width),
+                                            interruptible.asked());
           evaluators.give(std::move(evaluator));
+          if (!done) return;
+          alone += *done;
           ready[k] = true;
         },
         [&](double share) {
           const auto done = static_cast<double>(from) +
                             share * static_cast<double>(std::min(now * chunk_rows, left));
-          return progress && progress(done / static_cast<double>(head.count));
+          return watch.at(done / static_cast<double>(head.count));
         });
     for (std::size_t k = 0; k < now && ready[k]; ++k) spool.add(chunks[k], rows_in(k));
+    if (std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count() <
+        long_enough)
+      batch = std::min(2 * batch, most);
   }
   result.done = spool.done();
   result.alone = alone;

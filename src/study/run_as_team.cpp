@@ -250,8 +250,8 @@ class Worker {
     };
     numerics::parallel_for(range.count, threads_, [&](std::size_t k) {
       auto evaluator = evaluators_.take();
-      alone_ += evaluator->rows(plan_, (range.first + k) * chunk_rows,
-                                std::span(chunks_[k]).first(rows_in(k) * head_.width));
+      alone_ += *evaluator->rows(plan_, (range.first + k) * chunk_rows,
+                                 std::span(chunks_[k]).first(rows_in(k) * head_.width));
       evaluators_.give(std::move(evaluator));
     });
     for (std::size_t k = 0; k < range.count; ++k)

@@ -28,9 +28,9 @@ struct Reader {
     return fmt::format("{}:{}:{}", file, node.place.line, node.place.column);
   }
   void check_keys(const Node& root) {
-    constexpr std::array<std::string_view, 10> known{"machine", "set",     "pose", "vary",
-                                                     "want",    "samples", "seed", "design",
-                                                     "indices", "buckling"};
+    constexpr std::array<std::string_view, 12> known{"machine",   "set",     "pose",     "vary",
+                                                     "correlate", "want",    "samples",  "seed",
+                                                     "design",    "indices", "buckling", "also"};
     for (const auto& child : root.children) {
       if (std::ranges::count(known, std::string_view(child.key)) > 0) continue;
       const auto near = base::nearest(child.key, known);
@@ -52,6 +52,14 @@ struct Reader {
     if (node->kind == Node::Kind::boolean) return node->number != 0.0;
     fault(*node, std::string(key), fmt::format("is {}; expected true or false", described(*node)));
     return false;
+  }
+  std::optional<double> seconds(const Node& root, std::string_view key) {
+    const Node* node = root.find(key);
+    if (node == nullptr) return {};
+    if (node->is_number() && node->number > 0.0) return node->number;
+    fault(*node, std::string(key),
+          fmt::format("is {}; expected a number of seconds above 0", described(*node)));
+    return {};
   }
   std::optional<std::uint64_t> whole(const Node& root, std::string_view key, double least) {
     const Node* node = root.find(key);
@@ -123,6 +131,10 @@ StudyFile read_study_file(const std::string& path) {
   for (const auto& given : reader.list(root, "set")) study.set.push_back(given.text);
   study.vary = reader.table(root);
   study.want = reader.list(root, "want");
+  study.correlate = reader.list(root, "correlate");
+  for (const auto& given : reader.list(root, "also")) study.also.push_back(given.text);
+  for (const auto& given : reader.list(root, "command")) study.command.push_back(given.text);
+  study.until = reader.seconds(root, "until");
   study.samples = reader.whole(root, "samples", 2);
   study.seed = reader.whole(root, "seed", 0);
   study.indices = reader.flag(root, "indices");

@@ -6,6 +6,7 @@
 
 #include "hydrapod/numerics/statistics.hpp"
 #include "order_statistics.hpp"
+#include "reached_part.hpp"
 #include "sobol_indices.hpp"
 
 namespace hydrapod::study {
@@ -188,6 +189,7 @@ Summary summarise(const Spool& spool, const Problem& problem, const Plan& plan,
   add_quantiles(spool, problem, plan, options, summary);
   if (plan.indices)
     summary.indices = sobol_indices(spool, problem, plan, summary, options.replicates);
+  if (options.reached) summary.reached = reached_part(spool, problem, plan);
   return summary;
 }
 

@@ -8,8 +8,11 @@
 #include <exception>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <limits>
+#include <span>
 
+#include "commanded_motion.hpp"
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/base/units.hpp"
@@ -21,167 +24,6 @@ namespace hydrapod::tasks {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr int most_of_a_range = 1'000'000;
-
-double number_of(const std::string& text, const std::string& unit, const std::string& place) {
-  const auto read = base::read_plain_or_quantity(text, unit);
-  if (!read.ok()) base::refuse(place, fmt::format("'{}': {}", text, read.problem));
-  return read.value;
-}
-
-/// "4:6:11 kN/mm": from, to, count; the unit may stand behind any number.
-study::Distribution range_of(const Varied& varied, const std::string& unit, bool grid) {
-  auto parts = base::split(varied.text, ":");
-  const auto last = parts.back();
-  const auto blank = last.find(' ');
-  const std::string behind = blank == std::string::npos ? "" : last.substr(blank);
-  const std::size_t wanted = grid ? 3 : 2;
-  if (parts.size() != wanted)
-    base::refuse(varied.place,
-                 grid ? "expected from:to:count, for instance \"2:20:10 kN/mm\", or a list"
-                      : "expected from:to; the number of values is that of --samples");
-  const auto with_unit = [&](const std::string& part) {
-    return number_of(part.find_first_of(" %") == std::string::npos ? part + behind : part, unit,
-                     varied.place);
-  };
-  const double from = with_unit(parts[0]), to = with_unit(parts[1]);
-  if (from == to) base::refuse(varied.place, "both ends are equal");
-  if (!grid)
-    return {.shape = study::Shape::uniform, .a = std::min(from, to), .b = std::max(from, to)};
-  const auto count = base::read_quantity(std::string_view(last).substr(0, blank), "1");
-  if (!count.ok() || count.value != std::floor(count.value) || count.value < 2 ||
-      count.value > most_of_a_range)
-    base::refuse(varied.place,
-                 fmt::format("'{}' is not a count; expected a whole number from 2 to {}", last,
-                             most_of_a_range));
-  study::Distribution d{.shape = study::Shape::values};
-  for (int k = 0; k < static_cast<int>(count.value); ++k)
-    d.list.push_back(from + (to - from) * k / (count.value - 1.0));
-  return d;
-}
-
-/// "1, 2, 5 kN/mm"
-study::Distribution list_of(const Varied& varied, const std::string& unit) {
-  const auto parts = base::split(varied.text, ",");
-  const auto blank = parts.back().find(' ');
-  const std::string behind = blank == std::string::npos ? "" : parts.back().substr(blank);
-  study::Distribution d{.shape = study::Shape::values};
-  for (const auto& part : parts)
-    d.list.push_back(
-        number_of(part.find(' ') == std::string::npos ? part + behind : part, unit, varied.place));
-  return d;
-}
-
-}  // namespace
-
-model::FileNumber number_at(const Machine& machine, const std::string& path,
-                            const std::string& place) {
-  if (auto number = find_number(machine.file, path)) return *number;
-  const std::string near = nearest_parameter(machine.file, path);
-  base::refuse(place, "the machine file has no such number" +
-                          (near.empty() ? "" : fmt::format("; did you mean `{}`?", near)));
-}
-
-study::Input input_over(const Machine& machine, const Varied& varied, bool poses, bool grid) {
-  study::Input input{.name = varied.path};
-  if (poses) {
-    const auto direction = spatial::direction_from_name(varied.path);
-    if (!direction)
-      base::refuse(varied.place, "unknown direction; directions are x, y, z, rx, ry, rz");
-    input.unit = *direction < 3 ? "m" : "rad";
-  } else {
-    const auto number = number_at(machine, varied.path, varied.place);
-    input.unit = number.unit;
-    input.id = number.id;
-  }
-  input.distribution = varied.text.find(':') == std::string::npos
-                           ? list_of(varied, input.unit)
-                           : range_of(varied, input.unit, grid);
-  return input;
-}
-
-std::vector<base::Diagnostic> of_other_poses(const Machine& machine,
-                                             const std::vector<study::Input>& inputs,
-                                             const std::vector<model::NamedPose>& poses) {
-  std::vector<base::Diagnostic> errors;
-  std::vector<std::string_view> names;
-  for (const auto& pose : poses) names.push_back(pose.name);
-  for (const auto& input : inputs) {
-    const auto number = study::pose_of(input.id);
-    if (!number) continue;
-    const auto& name = machine.file.machine.poses.at(*number).name;
-    if (std::ranges::count(names, name) == 0)
-      errors.push_back({.file = input.name,
-                        .message = fmt::format("has no effect at pose {}; expected is a number of "
-                                               "that pose, or --pose {}",
-                                               fmt::join(names, ", "), name)});
-  }
-  return errors;
-}
-
-std::optional<std::string> no_output_text(const model::Machine& machine, dynamics::ModelKind kind,
-                                          const std::vector<study::Column>& outputs,
-                                          std::string_view name) {
-  const auto why = study::why_no_output(machine, kind, name);
-  if (!why) return std::nullopt;
-  std::vector<std::string_view> names;
-  for (const auto& one : outputs) names.push_back(one.name);
-  return fmt::format("{} {}; outputs of this machine are {}", name, *why, fmt::join(names, ", "));
-}
-
-void require_output(const model::Machine& machine, dynamics::ModelKind kind,
-                    const std::vector<study::Column>& outputs, std::string_view name,
-                    const std::string& place) {
-  if (const auto text = no_output_text(machine, kind, outputs, name)) base::refuse(place, *text);
-}
-
-study::Requirement requirement_of(const model::Machine& machine, dynamics::ModelKind kind,
-                                  const std::vector<study::Column>& outputs,
-                                  const std::string& text) {
-  const auto place = "--want \"" + text + "\"";
-  const auto name = base::trimmed(std::string_view(text).substr(0, text.find_first_of("<>")));
-  const bool known = std::ranges::find(outputs, name, &study::Column::name) != outputs.end();
-  if (!known) require_output(machine, kind, outputs, name, place);
-  return study::read_requirement(text, outputs, place);
-}
-
-std::string duration_text(double seconds) {
-  if (seconds < 120) return fmt::format("{:.0f} s", seconds);
-  if (seconds < 7200) return fmt::format("{:.0f} min", seconds / 60);
-  if (seconds < 172800) return fmt::format("{:.1f} h", seconds / 3600);
-  return fmt::format("{:.0f} days", seconds / 86400);
-}
-
-namespace {
-
-std::vector<study::Input> inputs_of(const Machine& machine, const StudyOptions& options) {
-  std::vector<study::Input> inputs;
-  std::vector<base::Diagnostic> errors;
-  const auto gather = [&](const auto& read) {
-    try {
-      for (auto& input : read()) inputs.push_back(std::move(input));
-    } catch (const base::InputError& error) {
-      errors.insert(errors.end(), error.diagnostics().begin(), error.diagnostics().end());
-    }
-  };
-  for (const auto& varied : options.vary)
-    gather([&] {
-      return study::read_variation(machine.file, varied.path, varied.text, varied.place);
-    });
-  const bool grid = options.plan.design == study::Design::grid;
-  for (const auto& varied : options.over)
-    gather([&] { return std::vector{input_over(machine, varied, options.poses, grid)}; });
-  for (std::size_t k = 0; k < inputs.size(); ++k)
-    for (std::size_t other = 0; other < k; ++other)
-      if (inputs[k].name == inputs[other].name ||
-          (!options.poses && inputs[k].id == inputs[other].id))
-        errors.push_back({.file = inputs[k].name, .message = "is varied twice"});
-  if (!options.poses)
-    for (auto& error : of_other_poses(machine, inputs, {machine.pose})) errors.push_back(error);
-  if (!errors.empty()) throw base::InputError(errors);
-  return inputs;
-}
 
 /// Seconds a row takes, from the first ones.
 double measured_seconds(const study::Problem& problem, const study::Plan& plan,
@@ -236,8 +78,9 @@ void require_room(const StudyJob& job, const StudyRunOptions& options) {
 }
 
 std::string dependences_of(const StudyJob& job) {
-  std::string text = fmt::format("{}\n{}\n{}\n{}", base::version, job.machine.file.text,
-                                 dynamics::name(job.machine.kind), job.poses);
+  std::string text =
+      fmt::format("{}\n{}\n{}\n{}\n{}", base::version, job.machine.file.text,
+                  dynamics::name(job.machine.kind), job.poses, fmt::join(job.commands, "\n"));
   for (const auto& one : job.machine.file.overrides) text += "\n" + one;
   const auto& X_BP = job.machine.pose.X_BP;
   for (int k = 0; k < 3; ++k) text += fmt::format("\n{}", X_BP.p_BP[k]);
@@ -289,6 +132,15 @@ void write_results(const StudyJob& job, const study::Spool& spool, const StudyRu
                 {"frequencies", study::frequency_kind(job.machine.file.machine)},
                 {"program", fmt::format("hydrapod {}", base::version)}};
   if (!options.command.empty()) file.texts["command"] = options.command;
+  if (!job.commands.empty())
+    file.texts["motion"] = fmt::format("{}", fmt::join(job.commands, "\n"));
+  if (job.problem.beneath) {
+    auto& text = file.texts["worst_over"];
+    for (const auto& input :
+         std::span(job.problem.beneath->inputs).subspan(job.problem.inputs.size()))
+      text += fmt::format("{} [{}]: {}\n", input.name, input.unit,
+                          fmt::join(input.distribution.list, ", "));
+  }
   file.numbers = {{"samples", static_cast<double>(job.plan.samples)},
                   {"seed", static_cast<double>(job.plan.seed)},
                   {"rows_planned", static_cast<double>(job.rows)},
@@ -299,41 +151,90 @@ void write_results(const StudyJob& job, const study::Spool& spool, const StudyRu
   data::write_columns(options.output, file);
 }
 
-}  // namespace
+/// Throws base::InputError where the worst over poses is not what a requirement bounds.
+void check_sense(const study::Requirement& wanted, const std::vector<study::Column>& outputs) {
+  const auto& column = outputs[static_cast<std::size_t>(wanted.output)];
+  const bool more = column.worse == study::Worse::more;
+  if (!column.worst_with.empty())
+    base::refuse("--want \"" + wanted.text + "\"",
+                 fmt::format("with --worst-over {} is that of the pose with the worst {}, which "
+                             "says nothing of the other poses",
+                             column.name, column.worst_with));
+  if (wanted.at_least == more)
+    base::refuse(
+        "--want \"" + wanted.text + "\"",
+        fmt::format("with --worst-over {} is the {} of all poses; expected is {} {}", column.name,
+                    more ? "largest" : "least", column.name, more ? "<=" : ">="));
+}
 
-StudyJob prepare_study(const Machine& machine, const StudyOptions& options) {
-  StudyJob job{.machine = machine, .plan = options.plan, .poses = options.poses};
-  auto inputs = inputs_of(machine, options);
-  if (inputs.empty()) throw std::invalid_argument("prepare_study: nothing varies");
-  const bool grid = job.plan.design == study::Design::grid;
-  for (const auto& input : inputs)
-    if (grid && input.distribution.list.empty())
+/// Throws base::InputError where an input has no list of values.
+void set_grid(std::span<const study::Input> inputs, study::Plan& plan) {
+  plan.samples = 1;
+  plan.counts.clear();
+  for (const auto& input : inputs) {
+    const auto& list = input.distribution.list;
+    if (list.empty())
       base::refuse(input.name,
                    "a grid needs a range or a list of values, not a distribution; "
                    "`hydrapod sweep` computes grids");
-  if (grid) {
-    job.plan.samples = 1;
-    job.plan.counts.clear();
-    for (const auto& input : inputs) {
-      job.plan.counts.push_back(static_cast<int>(input.distribution.list.size()));
-      if (__builtin_mul_overflow(job.plan.samples, input.distribution.list.size(),
-                                 &job.plan.samples))
-        job.plan.samples = std::numeric_limits<std::uint64_t>::max();
-    }
+    plan.counts.push_back(static_cast<int>(list.size()));
+    if (__builtin_mul_overflow(plan.samples, list.size(), &plan.samples))
+      plan.samples = std::numeric_limits<std::uint64_t>::max();
   }
+}
+
+/// The motion that is asked for. Throws base::InputError where the machine as it is cannot make it.
+std::optional<study::Motion> motion_of(const Machine& machine, const StudyOptions& options,
+                                       std::vector<std::string>& warnings) {
+  if (options.commands.empty()) {
+    if (options.until) base::refuse("--until", "is the end of a motion; add --command");
+    return std::nullopt;
+  }
+  const auto& of = machine.file.machine;
+  const double rate = 1.0 / of.controller.sample_time;
+  study::Motion motion{.commands = signals::read_signals(options.commands, {.rate = rate})};
+  motion.until = options.until.value_or(signals::natural_duration(motion.commands));
+  try {
+    simulation::ClosedLoop loop(of, machine.pose.X_BP,
+                                {.kind = machine.kind, .until = motion.until});
+    signals::Generator signal(motion.commands, rate);
+    warnings =
+        require_possible(machine, loop, options.commands, motion.commands, signal, motion.until);
+    auto why = simulation::instability(loop);
+    if (why.empty()) why = simulation::loss_of_rest(loop, signal, motion.until);
+    if (!why.empty()) warnings.push_back(std::move(why));
+  } catch (const std::length_error& error) {
+    base::refuse("--until", error.what());
+  }
+  return motion;
+}
+
+}  // namespace
+
+StudyJob prepare_study(const Machine& machine, const StudyOptions& options) {
+  StudyJob job{.machine = machine,
+               .plan = options.plan,
+               .poses = options.poses,
+               .commands = options.commands};
+  if (options.until) job.commands.push_back(fmt::format("until {} s", *options.until));
+  auto [inputs, outer, correlation] = study_inputs(machine, options);
+  if (outer == 0) throw std::invalid_argument("prepare_study: nothing varies");
+  if (job.plan.design == study::Design::grid) set_grid(std::span(inputs).first(outer), job.plan);
   job.problem = study::machine_problem(machine.file.machine, std::move(inputs),
                                        {.kind = machine.kind,
                                         .X_BP = machine.pose.X_BP,
                                         .modes = options.modes,
-                                        .buckling = options.buckling,
+                                        .also = extra_outputs_of(machine, options),
+                                        .motion = motion_of(machine, options, job.warnings),
                                         .poses = options.poses,
                                         .pose = machine.pose.name});
-  if (options.buckling)
-    require_output(machine.file.machine, machine.kind, job.problem.outputs, "buckling",
-                   "--buckling");
-  for (const auto& text : options.want)
+  if (!options.worst_over.empty()) job.problem = worst_over(std::move(job.problem), outer);
+  job.problem.correlation = std::move(correlation);
+  for (const auto& text : options.want) {
     job.requirements.push_back(
         requirement_of(machine.file.machine, machine.kind, job.problem.outputs, text));
+    if (job.problem.beneath) check_sense(job.requirements.back(), job.problem.outputs);
+  }
   job.rows = rows_of(job.plan, job.problem.inputs.size());
   job.seconds_per_row = measured_seconds(job.problem, job.plan, job.rows);
   job.bytes = static_cast<double>(job.rows) * sizeof(double) *
@@ -388,6 +289,42 @@ study::RunResult compute(const StudyJob& job, const StudyRunOptions& options,
   team->leave();
   if (team->rank() == 0) files = study::rank_files(rows_file);
   return result;
+}
+
+}  // namespace
+
+namespace {
+
+/// Are the values of a grid in order?
+bool ascend(const std::vector<study::Input>& inputs) {
+  return std::ranges::all_of(inputs, [](const auto& input) {
+    const auto& list = input.distribution.list;
+    return std::ranges::adjacent_find(list, std::greater_equal<>()) == list.end();
+  });
+}
+
+/// Of a map: where what is named or required is worse between its poses.
+void look_between(const StudyJob& job, study::Summary& summary) {
+  constexpr double long_enough = 10.0;  // [s]
+  constexpr double rows = 300.0;        // of one search, at most about
+  if (!ascend(job.problem.inputs)) return;
+  std::vector<std::string> names{"lowest", "drop", "condition"};
+  for (const auto& extra : study::extra_outputs(job.machine.file.machine, job.machine.kind))
+    names.push_back(extra.name);
+  for (const auto& wanted : job.requirements)
+    names.push_back(job.problem.outputs[static_cast<std::size_t>(wanted.output)].name);
+  double seconds = 0.0;
+  for (std::size_t k = 0; k < summary.outputs.size(); ++k) {
+    const auto& column = job.problem.outputs[k];
+    auto& output = summary.outputs[k];
+    if (std::ranges::count(names, column.name) == 0 || output.count == 0) continue;
+    seconds += rows * job.seconds_per_row;
+    if (seconds > long_enough) return;
+    const auto worst =
+        study_row(job, column.worse == study::Worse::more ? output.most_row : output.least_row);
+    output.between = study::worst_between(
+        job.problem, std::span(worst).first(job.problem.inputs.size()), static_cast<int>(k));
+  }
 }
 
 }  // namespace
@@ -457,7 +394,8 @@ StudyDone run_study(const StudyJob& job, const StudyRunOptions& options, const P
     not_taken = std::current_exception();
   }
   done.summary = study::summarise(spool, job.problem, job.plan, job.requirements,
-                                  {.threads = options.threads});
+                                  {.threads = options.threads, .reached = job.poses});
+  if (job.poses && done.complete) look_between(job, *done.summary);
   if (done.complete && !options.join) {
     for (const auto& file : files) fs::remove(file);
     done.rows_file.clear();

@@ -9,6 +9,20 @@ namespace hydrapod::tasks {
 /// a range ("from:to"). Throws base::InputError.
 study::Input input_over(const Machine& machine, const Varied& varied, bool poses, bool grid);
 
+/// Everything that varies.
+struct StudyInputs {
+  std::vector<study::Input> inputs{};
+  std::size_t outer{};            ///< of them make rows; each row is the worst over the others
+  Eigen::MatrixXd correlation{};  ///< see study::Problem
+};
+
+/// Throws base::InputError with all mistakes.
+StudyInputs study_inputs(const Machine& machine, const StudyOptions& options);
+
+/// Names of the extra outputs that are asked for or required; "stiffness" stands for all six.
+/// Throws base::InputError for one that the machine does not have.
+std::vector<std::string> extra_outputs_of(const Machine& machine, const StudyOptions& options);
+
 /// The number at a path. Throws base::InputError with the path that was probably meant.
 model::FileNumber number_at(const Machine& machine, const std::string& path,
                             const std::string& place);
@@ -29,8 +43,7 @@ void require_output(const model::Machine& machine, dynamics::ModelKind kind,
                     const std::string& place);
 /// The same of a text "x >= 6 Hz", with that read.
 study::Requirement requirement_of(const model::Machine& machine, dynamics::ModelKind kind,
-                                  const std::vector<study::Column>& outputs,
-                                  const std::string& text);
+                                  std::vector<study::Column> outputs, const std::string& text);
 
 /// "3 min", "2.5 h".
 std::string duration_text(double seconds);

@@ -257,6 +257,144 @@ TEST(Studies, MapsNameTheirWorstPoses) {
   }
 }
 
+/// Every pose of the map is the worst of three inclinations: as maps of each of them say.
+TEST(Studies, MapsOverTheWorstOfFurtherDirections) {
+  const test::TemporaryFolder folder;
+  const std::vector<std::string> map{"map",           machine,  "--over",
+                                     "x=-20:20:3 mm", "--over", "z=0, 30 mm"};
+  const auto rows_with = [&](const std::vector<std::string>& more, const std::string& name) {
+    auto all = map;
+    all.insert(all.end(), more.begin(), more.end());
+    all.insert(all.end(), {"--csv", (folder / (name + ".csv")).string(), "--results",
+                           (folder / (name + ".h5")).string()});
+    const auto run = test::run_hydrapod(all);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return std::pair(run.out, columns_of_rows(folder / (name + ".csv")));
+  };
+  const auto [text, worst] =
+      rows_with({"--worst-over", "rx=-2, 0, 3 deg", "--also", "stiffness"}, "worst");
+  const auto [all_text, all] =
+      rows_with({"--over", "rx=-2, 0, 3 deg", "--also", "stiffness_x", "--also", "sag"}, "all");
+  ASSERT_EQ(worst.at("lowest [Hz]").size(), 6U);
+  ASSERT_EQ(all.at("lowest [Hz]").size(), 18U);
+  EXPECT_EQ(worst.count("stiffness_rz [N m/rad]"), 1U);
+  EXPECT_EQ(all.count("stiffness_y [N/m]"), 0U);
+  EXPECT_EQ(all.count("sag [m]"), 1U);
+  for (std::size_t k = 0; k < 6; ++k) {
+    const auto of = [&](const char* name, bool most) {
+      const auto from = all.at(name).begin() + static_cast<std::ptrdiff_t>(3 * k);
+      return most ? *std::max_element(from, from + 3) : *std::min_element(from, from + 3);
+    };
+    constexpr double rounding = 1e-9;
+    EXPECT_NEAR(worst.at("lowest [Hz]")[k], of("lowest [Hz]", false), rounding);
+    EXPECT_NEAR(worst.at("drop [1]")[k], of("drop [1]", true), rounding);
+    EXPECT_NEAR(worst.at("stiffness_x [N/m]")[k] / of("stiffness_x [N/m]", false), 1.0, rounding);
+  }
+  const auto& lowest = all.at("lowest [Hz]");
+  const auto least = static_cast<std::size_t>(std::ranges::min_element(lowest) - lowest.begin());
+  EXPECT_THAT(text, HasSubstr(fmt::format("lowest frequency: {:.4g} Hz at x = {:.5g} m, z = {:.5g} "
+                                          "m, rx = {:.5g} rad (row {})",
+                                          lowest[least], all.at("pose.x [m]")[least],
+                                          all.at("pose.z [m]")[least],
+                                          all.at("pose.rx [rad]")[least], least / 3)));
+  EXPECT_THAT(text, HasSubstr("reached: all of 0.0012 m^2"));
+  EXPECT_THAT(all_text, HasSubstr("reached: all of 0.0001047 m^2 rad"));
+}
+
+TEST(Studies, SayWhatIsWrongWithWhatTheyAreAskedFor) {
+  const test::TemporaryFolder folder;
+  const auto fails = [&](const std::vector<std::string>& more, const char* why) {
+    std::vector<std::string> all{"map",           machine,     "--over",
+                                 "x=-20:20:3 mm", "--results", (folder / "s.h5").string()};
+    all.insert(all.end(), more.begin(), more.end());
+    const auto run = test::run_hydrapod(all);
+    EXPECT_EQ(run.exit_code, 2) << why;
+    EXPECT_THAT(run.err, HasSubstr(why));
+    EXPECT_FALSE(std::filesystem::exists(folder / "s.h5"));
+  };
+  fails({"--worst-over", "x=-1:1:3 mm"}, "is varied twice");
+  fails({"--worst-over", "rx=-1:1 deg"}, "expected from:to:count");
+  fails({"--worst-over", "rx=-1:1:101 deg", "--worst-over", "ry=-1:1:1001 deg"}, "at most 100000");
+  fails({"--worst-over", "rx=0:1:2 deg", "--want", "x <= 20 Hz"}, "is the least of all poses");
+  fails({"--worst-over", "rx=0:1:2 deg", "--want", "drop >= 2 %"}, "is the largest of all poses");
+  fails({"--worst-over", "rx=0:1:2 deg", "--want", "share >= 2 %"}, "with the worst drop");
+  fails({"--also", "stifness"}, "unknown output 'stifness'");
+  fails({"--also", "power"}, "supply.pump_flow");
+  fails({"--want", "stiffness_q >= 3 kN/mm"}, "did you mean 'stiffness_");
+  fails({"--until", "2"}, "add --command");
+  fails({"--command", "step z=9 m"}, "more stroke than it has");
+}
+
+/// As `simulate` of the same machine.
+TEST(Studies, EverySampleMakesAMotion) {
+  const test::TemporaryFolder folder;
+  const auto heavy = test::source_file("models/heavy-platform.toml").string();
+  const std::vector<std::string> motion{"--command", "step z=1 mm, at=0.1", "--until", "2.4"};
+  std::vector<std::string> sweep{"sweep",     heavy,
+                                 "--over",    "platform.mass=13200, 15100 kg",
+                                 "--csv",     (folder / "s.csv").string(),
+                                 "--results", (folder / "s.h5").string(),
+                                 "--want",    "settling_z <= 2.1 s"};
+  sweep.insert(sweep.end(), motion.begin(), motion.end());
+  const auto run = test::run_hydrapod(sweep);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto rows = columns_of_rows(folder / "s.csv");
+  for (std::size_t k = 0; k < 2; ++k) {
+    std::vector<std::string> simulate{
+        "simulate", heavy,
+        "--set",    fmt::format("platform.mass={}", rows.at("platform.mass [kg]")[k]),
+        "--format", "json"};
+    simulate.insert(simulate.end(), motion.begin(), motion.end());
+    const auto one = test::run_hydrapod(simulate);
+    ASSERT_EQ(one.exit_code, 0) << one.err;
+    const auto json = nlohmann::json::parse(one.out);
+    const auto& z = json.at("directions").at(2);
+    EXPECT_EQ(rows.at("rms_error_z [m]")[k], z.at("rms_error").get<double>());
+    EXPECT_EQ(rows.at("peak_motion_z [m]")[k], z.at("peak_motion").get<double>());
+    EXPECT_EQ(rows.at("settling_z [s]")[k], z.at("settling_time_s").get<double>());
+  }
+  EXPECT_NE(rows.at("rms_error_z [m]")[0], rows.at("rms_error_z [m]")[1]);
+  EXPECT_EQ(rows.count("settling_x [s]"), 0U);
+}
+
+TEST(Studies, OfCorrelatedNumbersComeFromAFileToo) {
+  const test::TemporaryFolder folder;
+  const auto text = fmt::format(
+      "machine = \"{}\"\nsamples = 3000\nalso = [\"sag\"]\n"
+      "correlate = [\"platform.mass, legs.rod.mass = -0.7\"]\n[vary]\n"
+      "\"platform.mass\" = \"normal ± 2 %\"\n\"legs.rod.mass\" = \"normal ± 5 %\"\n"
+      "\"legs.guide_sleeve.stiffness\" = \"normal ± 3 % per leg correlated 0.6\"\n",
+      machine);
+  test::write_text(folder / "study.toml", text);
+  const auto run =
+      test::run_hydrapod({"montecarlo", (folder / "study.toml").string(), "--csv",
+                          (folder / "s.csv").string(), "--results", (folder / "s.h5").string()});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto rows = columns_of_rows(folder / "s.csv");
+  const auto correlation = [&](const std::string& a, const std::string& b) {
+    const auto &x = rows.at(a), &y = rows.at(b);
+    double mx = 0.0, my = 0.0, xx = 0.0, yy = 0.0, xy = 0.0;
+    for (std::size_t k = 0; k < x.size(); ++k) {
+      mx += x[k] / static_cast<double>(x.size());
+      my += y[k] / static_cast<double>(x.size());
+    }
+    for (std::size_t k = 0; k < x.size(); ++k) {
+      xx += (x[k] - mx) * (x[k] - mx);
+      yy += (y[k] - my) * (y[k] - my);
+      xy += (x[k] - mx) * (y[k] - my);
+    }
+    return xy / std::sqrt(xx * yy);
+  };
+  constexpr double four_deviations = 4.0 / 54.8;  // 1/√3000, at most
+  EXPECT_NEAR(correlation("platform.mass [kg]", "legs.rod.mass [kg]"), -0.7, four_deviations);
+  EXPECT_NEAR(
+      correlation("leg.1.guide_sleeve.stiffness [N/m]", "leg.5.guide_sleeve.stiffness [N/m]"), 0.6,
+      four_deviations);
+  EXPECT_NEAR(correlation("platform.mass [kg]", "leg.5.guide_sleeve.stiffness [N/m]"), 0.0,
+              four_deviations);
+  EXPECT_EQ(rows.count("sag [m]"), 1U);
+}
+
 /// A table that cannot be written costs neither the results nor a file that nobody names.
 TEST(Studies, ResultsAreWrittenBeforeTheTable) {
   const test::TemporaryFolder folder;

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
+
 #include "hydrapod/report/model_results.hpp"
 #include "support/json_numbers.hpp"
 
@@ -47,12 +49,21 @@ TEST(JsonNumbers, OfStudiesAreThoseOfTheirFields) {
                     {.name = "legs.rod.mass", .unit = "kg"}};
   problem.outputs = {{"status", "1", ""}, {"lowest", "Hz", ""}, {"drop", "1", ""}};
   problem.status = 0;
+  auto beneath = std::make_shared<study::Problem>(problem);
+  beneath->inputs.push_back(
+      {.name = "rx",
+       .unit = "rad",
+       .distribution = {.shape = study::Shape::values, .list = {0.21, 0.22}}});
+  problem.beneath = beneath;
   study::Plan plan;
   plan.samples = 61;
   plan.seed = 17;
   plan.indices = true;
   study::Summary summary{.rows = 239, .statuses = {71, 72, 73, 74, 75}};
   summary.outputs = {{}, output_with(11.0, 41), output_with(13.0, 51)};
+  summary.outputs[2].between = study::WorstBetween{.value = 0.31, .inputs = {0.32, 0.33}};
+  auto with_between = output_expected(13.0, 51);
+  with_between["worst_between"] = {{"value", 0.31}, {"inputs", {0.32, 0.33}}};
   summary.requirements = {{.count = 81,
                            .missed = 82,
                            .probability = 0.83,
@@ -65,6 +76,7 @@ TEST(JsonNumbers, OfStudiesAreThoseOfTheirFields) {
     indices.total.push_back({.value = first + 0.04, .interval = {first + 0.05, first + 0.06}});
   }
   summary.indices = {{}, indices, {}};
+  summary.reached = study::ReachedPart{.least = 0.61, .most = 0.62, .whole = 0.63, .unit = "m^2"};
   const auto index = [](double first) {
     return Json{{"value", first}, {"interval", {first + 0.01, first + 0.02}}};
   };
@@ -78,13 +90,15 @@ TEST(JsonNumbers, OfStudiesAreThoseOfTheirFields) {
                   {"complete", false},
                   {"samples", 61},
                   {"seed", 17},
+                  {"worst_over", {{{"values", {0.21, 0.22}}}}},
+                  {"reached", {{"least", 0.61}, {"most", 0.62}, {"whole", 0.63}}},
                   {"statuses",
                    {{"computed", 71},
                     {"not_allowed", 72},
                     {"out_of_reach", 73},
                     {"no_equilibrium", 74},
                     {"buckled", 75}}},
-                  {"outputs", {output_expected(11.0, 41), output_expected(13.0, 51)}},
+                  {"outputs", {output_expected(11.0, 41), with_between}},
                   {"requirements",
                    {{{"samples", 81},
                      {"missed", 82},

@@ -31,7 +31,7 @@ Difference compared(const Problem& problem, const Plan& plan) {
   const std::size_t inputs = problem.inputs.size(), outputs = problem.outputs.size();
   std::vector<double> numbers(plan.samples * (inputs + outputs)), expected(outputs);
   Difference difference;
-  difference.alone = Evaluator(problem).rows(plan, 0, numbers);
+  difference.alone = Evaluator(problem).rows(plan, 0, numbers).value();
   const auto model = problem.model();
   for (std::uint64_t row = 0; row < plan.samples; ++row) {
     const auto values = std::span(numbers).subspan(row * (inputs + outputs), inputs + outputs);

@@ -12,7 +12,7 @@
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/kinematics/legs.hpp"
 #include "hydrapod/modal/normal_modes.hpp"
-#include "hydrapod/study/study.hpp"
+#include "hydrapod/study/design.hpp"
 #include "support/random_machine.hpp"
 #include "support/run_program.hpp"
 

@@ -195,7 +195,7 @@ TEST(MachineStudy, KnowsThePublishedDrop) {
   const auto inputs = read_variation(file, "platform.mass", "normal ± 0.001 %", "");
   const auto problem = machine_problem(
       file.machine, inputs,
-      {.kind = dynamics::ModelKind::guide, .X_BP = file.machine.neutral(), .buckling = true});
+      {.kind = dynamics::ModelKind::guide, .X_BP = file.machine.neutral(), .also = {"buckling"}});
   std::vector<double> x{file.machine.platform.mass}, y(problem.outputs.size());
   problem.model()(x, y);
   constexpr double printed = 5e-4;

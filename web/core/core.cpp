@@ -13,6 +13,7 @@
 #include "hydrapod/kinematics/legs.hpp"
 #include "hydrapod/study/study.hpp"
 #include "pose_report.hpp"
+#include "study/random_bits.hpp"
 #include "units.hpp"
 
 namespace hydrapod::page {

@@ -28,7 +28,7 @@
 #include "hydrapod/simulation/capability.hpp"
 #include "hydrapod/simulation/closed_loop.hpp"
 #include "hydrapod/simulation/linear_system.hpp"
-#include "hydrapod/study/study.hpp"
+#include "hydrapod/study/design.hpp"
 
 namespace hydrapod::report {
 

@@ -22,8 +22,12 @@
 ///
 /// Their intervals are percentiles of a bootstrap over groups of samples (A. Saltelli et al.,
 /// Comput. Phys. Commun. 181 (2010) 259).
+///
+/// Correlated inputs have a Gaussian copula: u_k = Φ(Σ_j L_kj Φ⁻¹(v_j)) with L Lᵀ = R, the stated
+/// correlations, and v independent (Problem::correlation).
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -36,6 +40,7 @@
 #include "hydrapod/dynamics/linear_model.hpp"
 #include "hydrapod/model/machine_file.hpp"
 #include "hydrapod/numerics/parallel.hpp"
+#include "hydrapod/signals/signals.hpp"
 
 namespace hydrapod::study {
 
@@ -70,10 +75,18 @@ struct Input {
   std::string unit{};  ///< SI
   Distribution distribution{};
   model::ParameterId id{};
+  double correlated{};  ///< with the same number of each other leg
 };
+
+/// Which values of a column are worse than others.
+enum class Worse { less, more };
 
 struct Column {
   std::string name{}, unit{}, meaning{};
+  Worse worse{Worse::less};
+  /// Of the worst of several rows: taken from the row with the worst value of this column; empty:
+  /// from that with its own.
+  std::string worst_with{};
 };
 
 /// Fills a row of outputs from a row of inputs. What cannot be computed is NaN.
@@ -88,13 +101,46 @@ struct Row {
 /// them. Returns how many of them had to be computed alone after all.
 using BatchModel = std::function<std::size_t(std::span<const Row>)>;
 
+/// Where a model that takes long looks whether it is to end before its row is complete. From any
+/// thread.
+class Interruption {
+ public:
+  [[nodiscard]] bool is_asked() const { return asked_ != nullptr && (*asked_)(); }
+  /// None: nobody asks. `asked` must live until the next call.
+  void set(const std::function<bool()>* asked) { asked_ = asked; }
+
+ private:
+  std::atomic<const std::function<bool()>*> asked_{};
+};
+
 struct Problem {
   std::vector<Input> inputs{};
   std::vector<Column> outputs{};
   std::function<Model()> model{};       ///< for the use of one thread
   std::function<BatchModel()> batch{};  ///< for many rows at once, or none; run() prefers it
   int status{-1};  ///< column of `outputs` that is 0 for a sample that was computed; −1: none
+  /// Lower triangular factor of the correlations of the inputs' normal scores; empty: independent.
+  Eigen::MatrixXd correlation{};
+  std::shared_ptr<const Problem> beneath{};      ///< of worst_over(): with all inputs
+  std::shared_ptr<Interruption> interruption{};  ///< of models that look there
 };
+
+/// Of a matrix of correlations, unit diagonal. Throws base::InputError with `place` where no inputs
+/// can have them.
+Eigen::MatrixXd correlation_factor(const Eigen::MatrixXd& correlations, const std::string& place);
+/// Makes independent numbers in (0, 1) those of correlated inputs.
+void correlate(const Eigen::MatrixXd& factor, std::span<double> u);
+
+/// The same outputs as the worst over some inputs: those of `problem` from number `outer` on, which
+/// have lists of values, are left out, and a row has for each column the worst value of all their
+/// combinations (see Column). A row with a combination that is not computed has its status
+/// (Status::out_of_reach if one has that, else the largest) and no values but `stroke`. A value
+/// that one combination lacks is missing.
+Problem worst_over(Problem problem, std::size_t outer);
+/// Inputs, those left out too, and outputs of the combination that is worst in a column; none: it
+/// has no value there.
+std::optional<std::vector<double>> worst_row(const Problem& problem, std::span<const double> outer,
+                                             int column);
 
 enum class Design {
   random,  ///< independent samples: the only one with confidence intervals from one run
@@ -122,14 +168,16 @@ class Evaluator {
  public:
   explicit Evaluator(const Problem& problem);
   /// Rows of the plan from `first` on, inputs and outputs, as many as `numbers` has room for. How
-  /// many of them a batch had to compute alone.
-  std::size_t rows(const Plan& plan, std::uint64_t first, std::span<double> numbers);
+  /// many of them a batch had to compute alone; none: `stop`, asked after some, was true.
+  std::optional<std::size_t> rows(const Plan& plan, std::uint64_t first, std::span<double> numbers,
+                                  const std::function<bool()>& stop = {});
 
  private:
   const Problem& problem_;
   Model model_{};
   BatchModel batch_{};
   std::vector<Row> rows_{};
+  std::size_t together_{64};  ///< rows between two questions whether to stop
 };
 
 struct RunOptions {
@@ -241,12 +289,19 @@ struct QuantileEstimate {
   std::optional<Interval> interval{};
 };
 
+/// The worst value that was found between the rows of a grid, and the inputs there.
+struct WorstBetween {
+  double value{};
+  std::vector<double> inputs{};
+};
+
 struct OutputSummary {
   std::uint64_t count{};  ///< finite values
   double mean{}, deviation{}, least{}, most{};
   std::uint64_t least_row{}, most_row{};    ///< the first ones with these
   std::optional<Interval> mean_interval{};  ///< Student, 95 %
   std::vector<QuantileEstimate> quantiles{};
+  std::optional<WorstBetween> between{};  ///< of maps, where it is worse than that of all rows
 };
 
 struct RequirementSummary {
@@ -266,18 +321,34 @@ struct Indices {
   std::uint64_t used{};                 ///< of the N samples, those with all d + 2 values
 };
 
+/// What part of a grid of poses legs and joints reach. A cell between neighbours is reached where
+/// all its corners are; it is in part where one is.
+struct ReachedPart {
+  double least{}, most{}, whole{};  ///< length, area or volume of the cells reached whole, in part;
+                                    ///< of all cells
+  std::string unit{};               ///< "m^2", "m rad"
+};
+
 struct Summary {
   std::uint64_t rows{};
   std::vector<std::uint64_t> statuses{};  ///< rows per status; empty without one
   std::vector<OutputSummary> outputs{};
   std::vector<RequirementSummary> requirements{};
-  std::vector<Indices> indices{};  ///< per output
+  std::vector<Indices> indices{};        ///< per output
+  std::optional<ReachedPart> reached{};  ///< of a whole grid of poses
 };
+
+/// From a row of a grid, `inputs`, to where column `column` is worse nearby: steps of half the
+/// distance to the next rows and of halves of it, down to 1/1000, within the grid. None: no pose
+/// there is worse. Lists of inputs must ascend.
+std::optional<WorstBetween> worst_between(const Problem& problem, std::span<const double> inputs,
+                                          int column);
 
 struct SummaryOptions {
   std::vector<double> probabilities{0.01, 0.05, 0.5, 0.95, 0.99};
   int replicates{400};  ///< of the bootstrap
   int threads{};        ///< 0: one per processor
+  bool reached{};       ///< of a grid of poses, with the part that is reached
 };
 
 /// In a fixed number of passes over the spool, exact order statistics among them; memory is bounded
@@ -294,17 +365,38 @@ enum class Status {
   buckled = 4          ///< a mode below zero
 };
 
+/// A motion that every sample makes under its controller, with the sensors' noise of seed 1. Its
+/// outputs, for each direction: `rms_error_x`, `peak_error_x` (command less motion),
+/// `peak_motion_x` (from the pose) and, of a direction with steps, `settling_x` (from the last one
+/// until the motion stays within 2 % of it); `peak_speed` of a piston, `peak_drive` and `limited`
+/// (share of the controller's samples with a drive at its limit), of the leg with most. A run that
+/// does not come to its end has none.
+struct Motion {
+  std::vector<signals::Signal> commands{};
+  double until{};  ///< [s]
+};
+
 struct MachineOptions {
   dynamics::ModelKind kind{};
   spatial::Pose X_BP{};  ///< nominal
   /// A mode resonates in a direction when it holds this share of (M⁻¹)_dd, the sum of φ_d² over all
   /// modes: five per cent is a peak that a frequency response shows beside the main one.
   double resonance_share{0.05};
-  int modes{6};        ///< lowest platform modes that are followed
-  bool buckling{};     ///< also the payload at which the legs buckle, milliseconds a sample
-  bool poses{};        ///< inputs are displacements from X_BP, with names x … rz
+  int modes{6};  ///< lowest platform modes that are followed
+  /// Names of extra_outputs() that are computed too.
+  std::vector<std::string> also{};
+  std::optional<Motion> motion{};  ///< with its outputs
+  bool poses{};                    ///< inputs are displacements from X_BP, with names x … rz
   std::string pose{};  ///< name of X_BP, if it is one of the machine's poses: X_BP follows inputs
 };
+
+/// Outputs that a study has where they are asked for, those of them that the machine has:
+/// `buckling` (payload at which the legs buckle), `power` of the pump, `sag` (largest static offset
+/// of a rod at its guide sleeve), `oil_force` (largest static one of a leg, of a strut or screw
+/// where it has no oil), `stiffness_x` … `stiffness_rz` (static, 1/(K⁻¹)_dd), and `force_x` …
+/// `excursion_rz` (simulation/capability.hpp, the smaller of both senses). Microseconds to
+/// milliseconds a sample.
+std::vector<Column> extra_outputs(const model::Machine& machine, dynamics::ModelKind kind);
 
 /// Number of the pose that a number of a machine belongs to, from 0; none: it is of no pose.
 std::optional<std::size_t> pose_of(const model::ParameterId& id);
@@ -344,43 +436,10 @@ model::Machine machine_of(const model::Machine& machine, const std::vector<Input
 std::string machine_text(const model::MachineFile& file, const std::vector<Input>& inputs,
                          std::span<const double> values, const std::string& label);
 
-/// PATH="DISTRIBUTION" as inputs, six of them for a path of all legs whose text ends with "per
-/// leg". Throws base::InputError.
+/// PATH="DISTRIBUTION" as inputs, six of them for a path of all legs whose text has "per leg" at
+/// its end, or "per leg correlated 0.6" (Input::correlated). Throws base::InputError.
 std::vector<Input> read_variation(const model::MachineFile& file, const std::string& path,
                                   const std::string& text, const std::string& place);
-
-/// What is made small or large: an output, the worst of all poses, or one of the changed numbers.
-struct Aim {
-  std::string text{};  ///< "minimise platform.mass"
-  std::string name{}, unit{};
-  bool maximise{};
-  int output{-1}, change{-1};  ///< one of them is set
-};
-
-/// A number of one's own of a design, whose values [SI] are those of the changes, at a pose. Called
-/// from several threads; base::ComputationError and NaN: it has none.
-struct OwnOutput {
-  Column column{};
-  std::function<double(std::span<const double> values, const model::NamedPose& pose)> of{};
-};
-
-struct DesignProblem {
-  model::Machine machine{};
-  dynamics::ModelKind kind{};
-  std::vector<model::NamedPose> poses{};
-  std::vector<Input> changes{};  ///< uniform distributions; their ends are the bounds
-  std::vector<OwnOutput> own{};
-  std::vector<Column> outputs{};  ///< see design_outputs()
-  std::vector<Requirement> requirements{};
-  std::vector<Aim> aims{};  ///< one; two for a trade-off
-};
-
-/// Outputs of machine_problem(), `buckling` among them, then those of these that the machine has:
-/// `power` of the pump, `sag` (largest static offset of a rod at its guide sleeve), `oil_force`
-/// (largest static one of a leg, of a strut or screw where it has no oil), `force_x` …
-/// `excursion_rz` (simulation/capability.hpp, both senses); then `own`. The rest of `problem` may be
-/// empty yet. Throws base::InputError for one of `own` named as another.
-std::vector<Column> design_outputs(const DesignProblem& problem);
 
 /// Frequencies of studies: "undamped"; with elastomers "damped", as all of `hydrapod modes` are.
 std::string frequency_kind(const model::Machine& machine);
@@ -389,97 +448,8 @@ std::string frequency_kind(const model::Machine& machine);
 std::optional<std::string> why_no_output(const model::Machine& machine, dynamics::ModelKind kind,
                                          std::string_view name);
 
-/// Outputs of a machine at one pose, and their derivatives.
-class DesignModel {
- public:
-  /// Outputs outside `wanted` (numbers of columns) are left out where they cost more than modes do.
-  /// Throws base::ComputationError where the machine has modes neither as it is nor at the bounds.
-  DesignModel(const DesignProblem& problem, const model::NamedPose& pose, std::vector<int> wanted);
-  /// Of one design; NaN where there is none, also the status is in it.
-  void outputs(std::span<const double> values, std::span<double> outputs);
-  /// Of many, modes in SIMD lanes.
-  void outputs(std::span<const Row> rows);
-  struct Derivatives {
-    Eigen::MatrixXd by_change{};  ///< a row per wanted output, a column per change [SI]
-    /// Per wanted output: of the mode that has its value, dω²/dp = φᵀ (dK/dp − ω² dM/dp) φ; else by
-    /// central differences of the output.
-    std::vector<bool> of_mode{};
-  };
-  Derivatives derivatives(std::span<const double> values, std::span<const double> outputs);
-
- private:
-  void add_differences(std::span<const double> values, std::span<const double> outputs,
-                       Derivatives& result);
-  struct Parts;
-  std::shared_ptr<Parts> parts_;
-};
-
-struct DesignOptions {
-  std::uint64_t samples{2048};  ///< Sobol points at which the search begins, besides the corners
-  std::uint64_t seed{1};
-  int starts{6};  ///< local searches, from the best samples
-  int front{11};  ///< points of a trade-off curve
-  int threads{};
-};
-
-/// A design with the worst of all poses.
-struct DesignPoint {
-  std::vector<double> values{};  ///< of the changes [SI]
-  bool computed{}, feasible{};   ///< status 0 at every pose; and every requirement is met there
-  std::vector<double> aims{};
-  std::vector<double> worst{};  ///< per requirement, NaN where there is none
-  std::vector<int> pose{};      ///< per requirement, where that is
-};
-
-/// What keeps the aim from getting better.
-struct Limit {
-  enum class Kind {
-    requirement,  ///< `requirement` is met with less than 1e-4 of its bound to spare, at `pose`
-    lower_bound,  ///< of `change`
-    upper_bound,
-    jump  ///< beyond `values`, a step of 1e-5 of the range of `change`, `requirement` is missed at
-          ///< once by more than 1e-3 of its bound: another mode takes over
-  };
-  Kind kind{};
-  int requirement{-1}, change{-1}, pose{-1};
-  /// Change of the aim per change of the requirement's or the change's bound [SI], the Lagrange
-  /// multiplier with its sign; none where the local model does not explain the point.
-  std::optional<double> price{};
-  double beyond{};  ///< of a jump: the output there
-};
-
-/// The extreme value of a requirement's output that was found, without all other requirements.
-struct Reach {
-  double value{};
-  bool enough{};
-  std::vector<double> values{};  ///< of the changes
-};
-struct DesignResult {
-  DesignPoint present{};  ///< the machine as it is, also where that is beyond the bounds
-  DesignPoint best{};     ///< feasible, or the least violation found
-  std::vector<Limit> limits{};
-  std::vector<Reach> reach{};        ///< per requirement, where no feasible design was found
-  std::vector<DesignPoint> front{};  ///< of two aims, ascending in the first, none dominated
-  std::uint64_t evaluations{};       ///< designs, each at every pose
-  std::uint64_t feasible_samples{}, samples{};
-  /// Samples per Status, each with the highest one of all poses.
-  std::array<std::uint64_t, 5> statuses{};
-  bool interrupted{};
-};
-
-/// Sobol points, then SLSQP with derivatives and COBYLA (NLopt) from the best of them, then steps
-/// along single changes down to 1e-9 of their range, which also end at jumps. What is returned was
-/// evaluated at every pose, one design at a time. Ctrl-C ends the search with the best so far.
-DesignResult design(const DesignProblem& problem, const DesignOptions& options,
-                    const numerics::Progress& progress = {});
-
-/// Where single changes lead from a design: least margin over all requirements and poses as a share
-/// of the bound, per change `count` values between its bounds.
-struct Slice {
-  std::vector<double> values{};
-  std::vector<std::vector<double>> worst{};  ///< per requirement
-};
-std::vector<Slice> design_slices(const DesignProblem& problem, const DesignPoint& at, int count);
+/// A number from −1 to 1. Throws base::InputError.
+double read_correlation(std::string_view text, const std::string& place);
 
 /// What a study file (TOML) says.
 struct StudyFile {
@@ -489,7 +459,9 @@ struct StudyFile {
   struct Given {
     std::string key{}, text{}, place{};
   };
-  std::vector<Given> vary{}, want{};
+  std::vector<Given> vary{}, want{}, correlate{};
+  std::vector<std::string> also{}, command{};
+  std::optional<double> until{};
   std::optional<std::uint64_t> samples{}, seed{};
   std::optional<Design> design{};
   bool indices{}, buckling{};

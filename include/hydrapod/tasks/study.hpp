@@ -6,7 +6,7 @@
 ///     const auto done = tasks::run_study(job, {.output = "run.h5"});
 ///     std::printf("%g\n", done.summary.requirements.at(0).probability);
 
-#include "hydrapod/study/study.hpp"
+#include "hydrapod/study/design.hpp"
 #include "hydrapod/tasks/machine.hpp"
 
 namespace hydrapod::tasks {
@@ -17,14 +17,27 @@ struct Varied {
   std::string place{};  ///< what messages call it
 };
 
+/// What a user wrote, and what messages call it.
+struct Asked {
+  std::string text{}, place{};
+};
+
 struct StudyOptions {
-  std::vector<Varied> vary{};       ///< distributions
-  std::vector<Varied> over{};       ///< ranges and lists; counts make a grid
-  bool poses{};                     ///< `over` are directions x … rz from the machine's pose
+  std::vector<Varied> vary{};  ///< distributions
+  std::vector<Varied> over{};  ///< ranges and lists; counts make a grid
+  /// The same; a row is the worst over all combinations of their values (study::worst_over()).
+  std::vector<Varied> worst_over{};
+  bool poses{};  ///< `over` are directions x … rz from the machine's pose
+  /// "A, B = 0.6": of two that vary, the correlation of their normal scores.
+  std::vector<Asked> correlate{};
   std::vector<std::string> want{};  ///< "x >= 6 Hz"
   study::Plan plan{};
   int modes{6};
-  bool buckling{};
+  /// study::extra_outputs() besides those of `want`: a name, or "stiffness" for all six directions.
+  std::vector<Asked> also{};
+  /// A motion that every sample makes (study::Motion), as of SimulateOptions; none: no simulation.
+  std::vector<std::string> commands{};
+  std::optional<double> until{};  ///< [s]; default: what the commands need, and a little more
 };
 
 /// A study that can be run; everything that a user said has been read.
@@ -34,6 +47,8 @@ struct StudyJob {
   study::Plan plan{};
   std::vector<study::Requirement> requirements{};
   bool poses{};
+  std::vector<std::string> commands{};  ///< of the motion
+  std::vector<std::string> warnings{};  ///< of the motion, for the machine as it is
   std::uint64_t rows{};
   double seconds_per_row{};  ///< one thread, measured on the first rows
   double bytes{};            ///< of the rows on the disk
