@@ -172,17 +172,16 @@ Vector6 rotor_masses(const model::Machine& machine) {
   return masses;
 }
 
-/// What oscillates by itself is never seen at rest, and its modes are not what a record shows.
-/// Nor does a machine whose legs buckle on the way have modes that a record could show.
-void judge_stability(const simulation::ClosedLoop& loop, const RigOptions& options,
-                     std::vector<LevelFinding>& findings) {
-  if (auto why = simulation::instability(loop); !why.empty()) {
-    findings.push_back({base::Severity::warning, std::move(why), true});
-  } else if (options.entry == Entry::command) {
-    signals::Generator signal(options.signals, 1.0 / loop.parameters().sample_time, options.seed);
-    auto lost = simulation::loss_of_rest(loop, signal, checked_seconds(options));
-    if (!lost.empty()) findings.push_back({base::Severity::warning, std::move(lost)});
-  }
+/// A machine whose legs buckle on the way has no modes that a record could show. Of levels that do
+/// not fit anyway nothing is said.
+void judge_rest(const simulation::ClosedLoop& loop, const RigOptions& options,
+                std::vector<LevelFinding>& findings) {
+  const bool fits = std::ranges::none_of(
+      findings, [](const auto& one) { return one.severity == base::Severity::error; });
+  if (!fits || !simulation::instability(loop).empty()) return;
+  signals::Generator signal(options.signals, 1.0 / loop.parameters().sample_time, options.seed);
+  auto lost = simulation::loss_of_rest(loop, signal, checked_seconds(options));
+  if (!lost.empty()) findings.push_back({base::Severity::warning, std::move(lost)});
 }
 
 }  // namespace
@@ -190,7 +189,9 @@ void judge_stability(const simulation::ClosedLoop& loop, const RigOptions& optio
 std::vector<LevelFinding> check_levels(const simulation::ClosedLoop& loop,
                                        const RigOptions& options) {
   std::vector<LevelFinding> findings;
-  judge_stability(loop, options, findings);
+  // What oscillates by itself is never seen at rest, and its modes are not what a record shows.
+  if (auto why = simulation::instability(loop); !why.empty())
+    findings.push_back({base::Severity::warning, std::move(why), true});
   if (options.entry == Entry::wrench) return findings;  // what it moves, the run shows
   const spatial::Pose& pose = loop.operating();
   const spatial::Matrix6 J = excitation_jacobian(loop.plant().machine(), pose);
@@ -216,6 +217,7 @@ std::vector<LevelFinding> check_levels(const simulation::ClosedLoop& loop,
     judge_torques(peaks, machine, loop.parameters(), findings);
   else
     judge_pressures(peaks, loop.parameters(), findings);
+  judge_rest(loop, options, findings);
   return findings;
 }
 
