@@ -55,10 +55,9 @@ const char* kind_text(dynamics::ModelKind kind) {
 }
 
 std::string settled_text(const report::Simulation& s, int i) {
-  const auto at = s.step_time[static_cast<std::size_t>(i)];
-  if (!at) return "–";
-  if (std::abs(s.summary.final_error[i]) > s.settling_band[i]) return "not settled";
-  return fmt::format("{:.3f} s", std::max(s.summary.settled[i] - *at, 0.0));
+  if (!s.settling.step[static_cast<std::size_t>(i)]) return "–";
+  const auto time = simulation::settling_time(s.summary, s.settling, i);
+  return time ? fmt::format("{:.3f} s", *time) : "not settled";
 }
 
 /// Without commands there are no errors.
@@ -75,7 +74,7 @@ std::string motion_table(const report::Simulation& s, const TableStyle& style) {
 
 std::string direction_table(const report::Simulation& s, const TableStyle& style) {
   if (s.loop.actuators != simulation::Actuators::controlled) return motion_table(s, style);
-  const bool steps = std::any_of(s.step_time.begin(), s.step_time.end(),
+  const bool steps = std::any_of(s.settling.step.begin(), s.settling.step.end(),
                                  [](const auto& time) { return time.has_value(); });
   std::vector<Column> columns{"<",         "<unit",      "commanded", "moved",
                               "RMS error", "peak error", "at the end"};

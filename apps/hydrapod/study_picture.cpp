@@ -4,11 +4,9 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cmath>
 #include <limits>
 #include <numbers>
 #include <span>
-#include <utility>
 
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/base/units.hpp"
@@ -30,18 +28,6 @@ model::WrittenUnit unit_of_range(const std::string& range, const std::string& pa
   }
   const auto in_file = model::written_unit(machine_text, path, si);
   return in_file.name.empty() ? model::WrittenUnit{si, 1.0} : in_file;
-}
-
-/// Forces, stiffnesses and powers with the prefix that leaves few digits, lengths in mm.
-model::WrittenUnit shown_unit(const std::vector<double>& values, const std::string& unit) {
-  double largest = 0.0;
-  for (const double value : values)
-    if (std::isfinite(value)) largest = std::max(largest, std::abs(value));
-  if (unit == "m" && largest < 1.0) return {"mm", 1e-3};
-  if (unit.starts_with('N') || unit == "W")
-    for (const auto& [prefix, size] : {std::pair{"G", 1e9}, {"M", 1e6}, {"k", 1e3}})
-      if (largest >= size) return {prefix + unit, size};
-  return {unit, 1.0};
 }
 
 /// "worst over rx, ry; ", of a map that is one.
@@ -71,11 +57,10 @@ void plot_map(const tasks::StudyJob& job, const std::vector<std::string>& ranges
   };
   const std::string kind =
       found->unit == "Hz" ? ", " + study::frequency_kind(job.machine.file.machine) : "";
-  const auto shown = shown_unit(rows.values(), found->unit);
-  report::Field field{.name = fmt::format("{}{} [{}]", found->name, kind, shown.name),
+  report::Field field{.name = found->name + kind,
+                      .unit = found->unit,
                       .values = rows.values(),
                       .stroke_left = rows.stroke_left()};
-  for (double& one : field.values) one /= shown.size;
   constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
   field.values.resize(job.rows, unknown);
   if (!field.stroke_left.empty()) field.stroke_left.resize(job.rows, unknown);
@@ -84,7 +69,7 @@ void plot_map(const tasks::StudyJob& job, const std::vector<std::string>& ranges
   const auto output = static_cast<int>(found - job.problem.outputs.begin());
   if (const auto wanted = std::ranges::find(job.requirements, output, &study::Requirement::output);
       wanted != job.requirements.end()) {
-    field.bound = wanted->bound / shown.size;
+    field.bound = wanted->bound;
     field.bound_text = wanted->text;
   }
   report::plot_field(

@@ -62,6 +62,30 @@ std::string indices_text(const tasks::StudyJob& job, const study::Summary& summa
   return "\nShares of the variance (Sobol indices)\n" + table.text(style);
 }
 
+/// "4.91 Hz", "2.81", of a drop "32.9 %".
+std::string value_text(const study::Column& column, double value) {
+  if (column.name.starts_with("drop")) return fmt::format("{:.4g} %", 100.0 * value);
+  return fmt::format("{:.4g}{}", value, column.unit == "1" ? "" : " " + column.unit);
+}
+
+/// How many motions have no numbers, and how many have not settled in a direction.
+std::string motion_text(const tasks::StudyJob& job, const study::Summary& summary) {
+  const auto& outputs = job.problem.outputs;
+  const auto peak = std::ranges::find(outputs, "peak_drive", &study::Column::name);
+  if (job.commands.empty() || peak == outputs.end() || summary.statuses.empty()) return {};
+  const auto ended = summary.outputs[static_cast<std::size_t>(peak - outputs.begin())].count;
+  std::string text;
+  const auto say = [&](std::uint64_t count, std::uint64_t of, const std::string& what) {
+    if (count < of) text += fmt::format("{} of {} motions {}\n", of - count, of, what);
+  };
+  say(ended, summary.statuses.front(), "do not come to their end; they have no errors and times");
+  for (std::size_t k = 0; k < outputs.size(); ++k)
+    if (const std::string_view name = outputs[k].name; name.starts_with("settling_"))
+      say(summary.outputs[k].count, ended,
+          fmt::format("have not settled in {} at their end", name.substr(9)));
+  return text;
+}
+
 /// "x = 0.1 m, rz = 0.02 rad": the inputs of a row.
 std::string inputs_text(const std::vector<study::Input>& inputs, std::span<const double> values) {
   std::string text;
@@ -95,11 +119,7 @@ std::string between_text(const tasks::StudyJob& job, const study::OutputSummary&
                          const study::Column& column) {
   if (!output.between) return {};
   const auto& [value, inputs] = *output.between;
-  const bool share = column.name.starts_with("drop");
-  return fmt::format("; between the poses {:.4g}{} at {}", share ? 100.0 * value : value,
-                     share                ? " %"
-                     : column.unit == "1" ? ""
-                                          : " " + column.unit,
+  return fmt::format("; between the poses {} at {}", value_text(column, value),
                      inputs_text(job.problem.inputs, inputs));
 }
 
@@ -133,8 +153,8 @@ std::string summary_text(const tasks::StudyJob& job, const study::Summary& summa
     cells.push_back(interval_text(output.quantiles[1].interval, 1.0));
     table.add_row(cells);
   }
-  return table.text(style) + status_text(summary) + requirements_text(job, summary, style) +
-         indices_text(job, summary, style);
+  return table.text(style) + status_text(summary) + motion_text(job, summary) +
+         requirements_text(job, summary, style) + indices_text(job, summary, style);
 }
 
 std::string extremes_text(const tasks::StudyJob& job, const study::Summary& summary) {
@@ -173,8 +193,8 @@ std::string extremes_text(const tasks::StudyJob& job, const study::Summary& summ
   for (const auto& column : study::extra_outputs(machine.file.machine, machine.kind)) {
     const char* end = column.worse == study::Worse::more ? "largest" : "least";
     add(column.name.c_str(), [&](const auto& of) {
-      return fmt::format("{} {}: {:.4g} {}", end, column.name, of(column.name.c_str()),
-                         column.unit);
+      return fmt::format("{} {}: {}", end, column.name,
+                         value_text(column, of(column.name.c_str())));
     });
   }
   return text.empty() ? text : text + "\n";
@@ -189,10 +209,9 @@ std::string worst_text(const tasks::StudyJob& job, const study::Summary& summary
     const WorstRow row(job, *worst, job.requirements[k].output);
     const auto& output = summary.outputs[static_cast<std::size_t>(job.requirements[k].output)];
     const bool same_sense = job.requirements[k].at_least == (column.worse == study::Worse::less);
-    text +=
-        fmt::format("worst for {}: row {}, {} = {:.4g} {}, with {}{}\n", job.requirements[k].text,
-                    *worst, column.name, row.of(column.name), column.unit, row.inputs(),
-                    same_sense ? between_text(job, output, column) : "");
+    text += fmt::format("worst for {}: row {}, {} = {}, with {}{}\n", job.requirements[k].text,
+                        *worst, column.name, value_text(column, row.of(column.name)), row.inputs(),
+                        same_sense ? between_text(job, output, column) : "");
   }
   return text;
 }

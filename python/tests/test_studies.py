@@ -230,6 +230,10 @@ def test_every_column_of_a_study_is_known_as_one(heavy):
 
     study = hydrapod.sweep(heavy, {"platform.mass": [12e3]}, buckling=True)
     assert all(_is_column(name) for name in study.names if name != "platform.mass")
+    groups = ["stiffness", "force", "velocity", "acceleration", "jerk", "excursion", "sag", "oil_force"]
+    more = hydrapod.sweep(heavy, {"platform.mass": [12e3]}, also=groups, commands="step z=1 mm", until=0.2)
+    assert len(more.names) > len(study.names) + 50
+    assert all(_is_column(name) for name in more.names if name != "platform.mass")
 
 
 def test_montecarlo_with_columns_of_ones_own(heavy):

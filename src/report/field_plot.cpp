@@ -11,6 +11,7 @@
 
 #include "gnuplot.hpp"
 #include "hydrapod/report/model_results.hpp"
+#include "prefix.hpp"
 
 namespace hydrapod::report {
 
@@ -196,10 +197,24 @@ std::string contour_table(const std::string& name, const std::vector<double>& le
       fmt::join(levels, ", "), name, of);
 }
 
+/// Its values and bound in a unit that fits them.
+Field in_shown_unit(Field field) {
+  if (field.unit.empty()) return field;
+  double largest = 0.0;
+  for (const double value : field.values)
+    if (std::isfinite(value)) largest = std::max(largest, std::abs(value));
+  const auto unit = shown_unit(field.unit, largest);
+  field.name += " [" + unit.name + "]";
+  for (double& value : field.values) value /= unit.size;
+  if (field.bound) *field.bound /= unit.size;
+  return field;
+}
+
 }  // namespace
 
-void plot_field(const Field& field, const std::string& title, const std::string& subtitle,
+void plot_field(const Field& given, const std::string& title, const std::string& subtitle,
                 const std::string& path) {
+  const Field field = in_shown_unit(given);
   const Frame frame{field, half_cell(field.x), half_cell(field.y)};
   const auto levels = levels_of(field.values);
   const bool bounded = field.bound && !crossings(frame, field.values, *field.bound).empty();

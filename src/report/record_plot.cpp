@@ -21,21 +21,6 @@ constexpr int row_height = 146, picture_width = 1200, top_band = 62, bottom_band
 double lower(double a, double b) { return std::isnan(a) || b < a ? b : a; }
 double higher(double a, double b) { return std::isnan(a) || b > a ? b : a; }
 
-/// A unit that fits the numbers: "MPa" for those of millions of Pa.
-struct ShownUnit {
-  std::string name{};
-  double size{1.0};
-};
-
-ShownUnit shown_unit(const std::string& unit, double largest) {
-  constexpr std::array prefixable{"Pa", "N", "N m", "m", "V", "A", "m/s", "m/s²", "m/s^2"};
-  if (unit.empty()) return {"?"};
-  if (std::ranges::find(prefixable, unit) == prefixable.end()) return {unit};
-  if (!(largest > 0.0) || (largest >= 1.0 && largest < 1e4)) return {unit};
-  const auto prefix = prefix_of(largest);
-  return {prefix.name + unit, prefix.size};
-}
-
 /// Of the samples of a channel that are drawn.
 double largest_of(const TraceBuilder& traces, std::size_t channel) {
   double largest = 0.0;
@@ -156,7 +141,9 @@ void plot_record(const data::RecordHeader& header, const TraceBuilder& traces,
   const int height = rows * row_height + top_band + bottom_band;
   std::vector<ShownUnit> units;
   for (const std::size_t c : shown)
-    units.push_back(shown_unit(header.channels[c].unit, largest_of(traces, c)));
+    units.push_back(header.channels[c].unit.empty()
+                        ? ShownUnit{"?"}
+                        : shown_unit(header.channels[c].unit, largest_of(traces, c)));
   std::string script = trace_block(header, traces, shown, units);
   if (overview.spectrum.segments > 0) script += spectrum_block(overview.spectrum, shown);
   script += std::string("set multiplot\nunset key\nset datafile missing 'nan'\n") + thin_grid +

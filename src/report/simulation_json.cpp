@@ -36,7 +36,7 @@ void histories(Fields& f, const char* key, std::vector<Vector6>& samples) {
 template <class Fields>
 void describe_direction(Fields& f, Simulation& s, int i) {
   auto& summary = s.summary;
-  auto& step = s.step_time[static_cast<std::size_t>(i)];
+  auto& step = s.settling.step[static_cast<std::size_t>(i)];
   f.derived("direction", spatial::direction_name(i));
   f("peak_command", summary.peak_command[i]);
   f("peak_motion", summary.peak_motion[i]);
@@ -44,10 +44,8 @@ void describe_direction(Fields& f, Simulation& s, int i) {
   f("peak_error", summary.peak_error[i]);
   f("final_error", summary.final_error[i]);
   if (!step && !f.has("settling_band")) return;
-  f("settling_band", s.settling_band[i]);
-  const bool settled = std::abs(summary.final_error[i]) <= s.settling_band[i];
-  std::optional<double> after;
-  if (settled) after = std::max(summary.settled[i] - step.value_or(0.0), 0.0);
+  f("settling_band", s.settling.band[i]);
+  auto after = simulation::settling_time(summary, s.settling, i);
   f("settling_time_s", after);
   if constexpr (Fields::reads) {
     step = 0.0;

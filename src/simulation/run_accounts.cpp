@@ -46,6 +46,28 @@ void RunAccounts::see(const Eigen::VectorXd& x, const Vector6& applied, const Ve
   ++summary.samples;
 }
 
+Settling settling_of(const std::vector<signals::Signal>& commands) {
+  constexpr double share = 0.02;  // of a step
+  Settling settling;
+  for (const auto& command : commands) {
+    const auto* step = std::get_if<signals::Step>(&command.form);
+    for (int i = 0; step != nullptr && i < 6; ++i) {
+      if (command.size[i] == 0.0) continue;
+      auto& time = settling.step[static_cast<std::size_t>(i)];
+      time = std::max(time.value_or(0.0), step->at);
+      settling.band[i] = share * std::abs(command.size[i]);
+    }
+  }
+  return settling;
+}
+
+std::optional<double> settling_time(const RunSummary& run, const Settling& settling,
+                                    int direction) {
+  if (std::abs(run.final_error[direction]) > settling.band[direction]) return std::nullopt;
+  const double step = settling.step[static_cast<std::size_t>(direction)].value_or(0.0);
+  return std::max(run.settled[direction] - step, 0.0);
+}
+
 RunSummary RunAccounts::finish(double time) {
   if (summary.samples > 0)
     summary.rms_error = (squares_ / static_cast<double>(summary.samples)).cwiseSqrt();

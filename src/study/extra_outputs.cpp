@@ -52,11 +52,10 @@ std::vector<Column> all_columns(model::LegType type) {
       {"oil_force", "N",
        fmt::format("largest static force {}, pushed or pulled", axial_words(type)), Worse::more}};
   for (std::size_t d = 0; d < 6; ++d)
-    columns.push_back({fmt::format("stiffness_{}", spatial::direction_names[d]),
-                       d < 3 ? "N/m" : "N m/rad",
-                       fmt::format("static {} on the platform per displacement in {}, free in the "
-                                   "other directions, oil shut in",
-                                   d < 3 ? "force" : "torque", spatial::direction_names[d])});
+    columns.push_back(
+        {fmt::format("stiffness_{}", spatial::direction_names[d]), d < 3 ? "N/m" : "N m/rad",
+         fmt::format("static stiffness in {}, free in the other directions, oil shut in",
+                     spatial::direction_names[d])});
   for (std::size_t a = 0; a < abilities.size(); ++a)
     for (std::size_t d = 0; d < 6; ++d)
       columns.push_back(

@@ -52,12 +52,17 @@ struct VariationParts {
 
 VariationParts parts_of(std::string_view text, const std::string& place) {
   constexpr std::string_view per_leg = "per leg", correlated = "correlated";
+  constexpr double least_of_legs = -1.0 / (model::leg_count - 1);
   VariationParts parts{.distribution = base::trimmed(text)};
   auto& rest = parts.distribution;
   if (const auto at = rest.find(correlated); at != std::string_view::npos) {
     const auto behind = base::trimmed(rest.substr(at + correlated.size()));
     rest = base::trimmed(rest.substr(0, at));
     parts.correlated = read_correlation(behind, place);
+    if (parts.correlated < least_of_legs)
+      base::refuse(place, fmt::format("six numbers can have {:g} with each other at the least, not "
+                                      "{:g}",
+                                      least_of_legs, parts.correlated));
     if (!rest.ends_with(per_leg))
       base::refuse(place,
                    "\"correlated\" is how the numbers of the legs depend on each other and stands "

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "hydrapod/base/error.hpp"
-#include "hydrapod/simulation/closed_loop.hpp"
 #include "machine_outputs.hpp"
 
 namespace hydrapod::study {
@@ -14,8 +13,6 @@ namespace hydrapod::study {
 namespace {
 
 using simulation::RunSummary;
-
-constexpr double settled_share = 0.02;  // of a step
 
 struct OfDirection {
   const char* name;
@@ -33,32 +30,19 @@ MotionOutputs::MotionOutputs(const std::optional<Motion>& motion, dynamics::Mode
                              std::shared_ptr<const Interruption> interruption)
     : motion_(motion), kind_(kind), interruption_(std::move(interruption)) {
   if (!motion_) return;
-  for (int d = 0; d < 6; ++d) {
-    double size = 0.0;
-    for (const auto& command : motion_->commands) {
-      const auto* step = std::get_if<signals::Step>(&command.form);
-      if (step == nullptr || command.size[d] == 0.0) continue;
-      auto& last = last_step_[static_cast<std::size_t>(d)];
-      last = std::max(last, step->at);
-      size = std::abs(command.size[d]);
-    }
-    if (size == 0.0) continue;
-    stepped_.push_back(d);
-    settling_band_[d] = settled_share * size;
-  }
+  settling_ = simulation::settling_of(motion_->commands);
   for (const auto& [name, values, meaning] : of_directions)
     for (std::size_t d = 0; d < 6; ++d)
       columns_.push_back(
           {fmt::format("{}_{}", name, spatial::direction_names[d]), d < 3 ? "m" : "rad",
            fmt::format("{} in {}", meaning, spatial::direction_names[d]), Worse::more});
-  for (const int d : stepped_) {
-    const char* name = spatial::direction_names[static_cast<std::size_t>(d)];
-    columns_.push_back({fmt::format("settling_{}", name), "s",
-                        fmt::format("time from the last step in {} until the motion stays within "
-                                    "2 % of it",
-                                    name),
-                        Worse::more});
-  }
+  for (std::size_t d = 0; d < 6; ++d)
+    if (settling_.step[d])
+      columns_.push_back(
+          {fmt::format("settling_{}", spatial::direction_names[d]), "s",
+           fmt::format("time from the last step in {} until the motion stays within 2 % of it",
+                       spatial::direction_names[d]),
+           Worse::more});
   columns_.push_back({"peak_speed", "m/s", "largest speed of a piston", Worse::more});
   columns_.push_back({"peak_drive", "1", "largest drive of a leg", Worse::more});
   columns_.push_back(
@@ -75,7 +59,7 @@ void MotionOutputs::operator()(const model::Machine& machine, const spatial::Pos
     signals::Generator commands(motion_->commands, 1.0 / loop.parameters().sample_time);
     run = loop.run(
         simulation::command_source(commands), [](const simulation::LoopSample&) {},
-        [&](double) { return !interruption_ || !interruption_->is_asked(); }, settling_band_);
+        [&](double) { return !interruption_ || !interruption_->is_asked(); }, settling_.band);
   } catch (const base::ComputationError&) {  // it does not stand at the pose
     return;
   }
@@ -83,11 +67,9 @@ void MotionOutputs::operator()(const model::Machine& machine, const spatial::Pos
   auto next = outputs.begin();
   for (const auto& [name, values, meaning] : of_directions)
     for (int d = 0; d < 6; ++d) *next++ = (run.*values)[d];
-  for (const int d : stepped_) {
-    const bool settled = std::abs(run.final_error[d]) <= settling_band_[d];
-    const double time = run.settled[d] - last_step_[static_cast<std::size_t>(d)];
-    *next++ = settled ? std::max(time, 0.0) : missing;
-  }
+  for (int d = 0; d < 6; ++d)
+    if (settling_.step[static_cast<std::size_t>(d)])
+      *next++ = simulation::settling_time(run, settling_, d).value_or(missing);
   *next++ = std::ranges::max(run.peak_speed);
   *next++ = std::ranges::max(run.peak_drive);
   *next++ = static_cast<double>(std::ranges::max(run.limited)) / static_cast<double>(run.samples);

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "hydrapod/simulation/closed_loop.hpp"
 #include "hydrapod/study/study.hpp"
 
 namespace hydrapod::study {
@@ -25,9 +26,7 @@ class MotionOutputs {
   dynamics::ModelKind kind_;
   std::shared_ptr<const Interruption> interruption_;
   std::vector<Column> columns_{};
-  std::vector<int> stepped_{};  ///< directions with steps
-  std::array<double, 6> last_step_{};
-  spatial::Vector6 settling_band_{spatial::Vector6::Constant(1e-5)};
+  simulation::Settling settling_{};
 };
 
 }  // namespace hydrapod::study

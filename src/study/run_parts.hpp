@@ -1,10 +1,8 @@
 #pragma once
 /// What runs of one program and of a team share.
 
-#include <functional>
 #include <memory>
 #include <mutex>
-#include <utility>
 
 #include "hydrapod/study/study.hpp"
 #include "spool.hpp"
@@ -31,25 +29,6 @@ class Evaluators {
   const Problem& problem_;
   std::mutex mutex_{};
   std::vector<std::unique_ptr<Evaluator>> idle_{};
-};
-
-/// Lets a problem's model ask whether to stop, as long as it lives.
-class Interruptible {
- public:
-  Interruptible(const Problem& problem, std::function<bool()> asked)
-      : interruption_(problem.interruption), asked_(std::move(asked)) {
-    if (interruption_) interruption_->set(&asked_);
-  }
-  Interruptible(const Interruptible&) = delete;
-  Interruptible& operator=(const Interruptible&) = delete;
-  ~Interruptible() {
-    if (interruption_) interruption_->set(nullptr);
-  }
-  [[nodiscard]] const std::function<bool()>& asked() const { return asked_; }
-
- private:
-  std::shared_ptr<Interruption> interruption_;
-  std::function<bool()> asked_;
 };
 
 }  // namespace hydrapod::study

@@ -28,9 +28,9 @@ struct Reader {
     return fmt::format("{}:{}:{}", file, node.place.line, node.place.column);
   }
   void check_keys(const Node& root) {
-    constexpr std::array<std::string_view, 12> known{"machine",   "set",     "pose",     "vary",
-                                                     "correlate", "want",    "samples",  "seed",
-                                                     "design",    "indices", "buckling", "also"};
+    constexpr std::array<std::string_view, 14> known{
+        "machine", "set",    "pose",    "vary",     "correlate", "want",    "samples",
+        "seed",    "design", "indices", "buckling", "also",      "command", "until"};
     for (const auto& child : root.children) {
       if (std::ranges::count(known, std::string_view(child.key)) > 0) continue;
       const auto near = base::nearest(child.key, known);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "hydrapod/study/study.hpp"
 
@@ -12,13 +13,15 @@ namespace {
 constexpr double least_step = 1e-3;  ///< of the distance between rows
 constexpr int most_rounds = 200;
 
-/// The larger distance of a value to its neighbours in an ascending list.
+/// The larger distance of a value to its neighbours in a list.
 double spacing(const std::vector<double>& list, double value) {
-  const auto at = std::ranges::lower_bound(list, value);
-  double size = 0.0;
-  if (at != list.begin()) size = value - *(at - 1);
-  if (at != list.end() && at + 1 != list.end()) size = std::max(size, *(at + 1) - value);
-  return size;
+  constexpr double none = std::numeric_limits<double>::infinity();
+  double below = none, above = none;
+  for (const double other : list) {
+    if (other < value) below = std::min(below, value - other);
+    if (other > value) above = std::min(above, other - value);
+  }
+  return std::max(below < none ? below : 0.0, above < none ? above : 0.0);
 }
 
 /// Rows at ± a step along each input, those within the grid.
@@ -28,7 +31,8 @@ std::vector<std::vector<double>> around(const Problem& problem, const std::vecto
   for (std::size_t k = 0; k < center.size(); ++k)
     for (const double sign : {-1.0, 1.0}) {
       const auto& list = problem.inputs[k].distribution.list;
-      const double value = std::clamp(center[k] + sign * steps[k], list.front(), list.back());
+      const auto [low, high] = std::ranges::minmax(list);
+      const double value = std::clamp(center[k] + sign * steps[k], low, high);
       if (value == center[k]) continue;
       places.push_back(center);
       places.back()[k] = value;
@@ -39,7 +43,7 @@ std::vector<std::vector<double>> around(const Problem& problem, const std::vecto
 }  // namespace
 
 std::optional<WorstBetween> worst_between(const Problem& problem, std::span<const double> inputs,
-                                          int column) {
+                                          double value, int column) {
   const auto c = static_cast<std::size_t>(column);
   const double sign = problem.outputs[c].worse == Worse::more ? -1.0 : 1.0;  // less is worse
   const std::size_t width = problem.outputs.size();
@@ -53,31 +57,28 @@ std::optional<WorstBetween> worst_between(const Problem& problem, std::span<cons
     batch(rows);
     std::optional<WorstBetween> worst;
     for (const auto& row : rows) {
-      const double value = row.outputs[c];
-      if (!std::isnan(value) && (!worst || sign * value < sign * worst->value))
-        worst = WorstBetween{value, {row.inputs.begin(), row.inputs.end()}};
+      const double there = row.outputs[c];
+      if (!std::isnan(there) && (!worst || sign * there < sign * worst->value))
+        worst = WorstBetween{there, {row.inputs.begin(), row.inputs.end()}};
     }
     return worst;
   };
-  auto found = worst_of({std::vector<double>(inputs.begin(), inputs.end())});
-  if (!found) return std::nullopt;
-  const double of_row = found->value;
+  WorstBetween found{value, {inputs.begin(), inputs.end()}};
   std::vector<double> steps;
   for (std::size_t k = 0; k < inputs.size(); ++k)
     steps.push_back(spacing(problem.inputs[k].distribution.list, inputs[k]) / 2.0);
   double step = 0.5;
   for (int round = 0; round < most_rounds && step >= least_step; ++round) {
-    const auto places = around(problem, found->inputs, steps);
-    auto next = places.empty() ? std::nullopt : worst_of(places);
-    if (next && sign * next->value < sign * found->value) {
-      found = std::move(next);
+    auto next = worst_of(around(problem, found.inputs, steps));
+    if (next && sign * next->value < sign * found.value) {
+      found = std::move(*next);
       continue;
     }
     step /= 2.0;
     for (double& one : steps) one /= 2.0;
   }
   constexpr double rounding = 1e-9;
-  if (sign * (of_row - found->value) <= rounding * std::abs(of_row)) return std::nullopt;
+  if (sign * (value - found.value) <= rounding * std::abs(value)) return std::nullopt;
   return found;
 }
 

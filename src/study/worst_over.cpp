@@ -2,17 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
-#include <numeric>
 
-#include "hydrapod/study/study.hpp"
+#include "machine_outputs.hpp"
 
 namespace hydrapod::study {
 
 namespace {
 
-constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t numbers_at_once = std::size_t{1} << 18U;  ///< 2 MB of doubles
 
 /// A pose out of reach before one without equilibrium or modes: what has one of the first is no
@@ -34,7 +31,6 @@ struct Whole {
   std::size_t outer{};
   std::vector<std::vector<double>> combinations{};
   std::vector<std::size_t> decides{};  ///< per column, the column whose worst value counts
-  int stroke{-1};
 
   Whole(Problem beneath, std::size_t count) : problem(std::move(beneath)), outer(count) {
     combinations = {{}};
@@ -52,7 +48,6 @@ struct Whole {
       const auto at = std::ranges::find(problem.outputs, column.worst_with, &Column::name);
       decides.push_back(
           at == problem.outputs.end() ? c : static_cast<std::size_t>(at - problem.outputs.begin()));
-      if (column.name == "stroke") stroke = static_cast<int>(c);
     }
   }
 
@@ -87,7 +82,7 @@ struct Whole {
     const auto status = static_cast<std::size_t>(problem.status);
     outputs[status] = worst_status(rows, status);
     for (std::size_t c = 0; c < outputs.size(); ++c) {
-      if (c == status || (outputs[status] != 0.0 && static_cast<int>(c) != stroke)) continue;
+      if (c == status) continue;
       if (const auto k = worst(rows, decides[c])) outputs[c] = rows[*k].outputs[c];
     }
   }

@@ -202,21 +202,6 @@ std::string notes_of(const SimulateOptions& options, const report::Simulation& r
   return fmt::format("{}", fmt::join(lines, "\n"));
 }
 
-/// When the last step of each direction comes, and how near to its end a settled platform stays.
-void expect_steps(const std::vector<signals::Signal>& commands, report::Simulation& result) {
-  constexpr double settled_share = 0.02;  // of a step
-  result.settling_band.setConstant(1e-5);
-  for (const auto& command : commands) {
-    const auto* step = std::get_if<signals::Step>(&command.form);
-    for (int i = 0; step != nullptr && i < 6; ++i) {
-      if (command.size[i] == 0.0) continue;
-      auto& time = result.step_time[static_cast<std::size_t>(i)];
-      time = std::max(time.value_or(0.0), step->at);
-      result.settling_band[i] = settled_share * std::abs(command.size[i]);
-    }
-  }
-}
-
 /// What is known of a run before it begins.
 void fill_in(const ClosedLoop& loop, report::Simulation& result) {
   result.output_interval = loop.output_interval();
@@ -257,7 +242,7 @@ report::Simulation simulate(const Machine& machine, const SimulateOptions& optio
   for (const auto& command : commands) result.commands.push_back(signals::signal_text(command));
   for (const auto& one : forces)
     result.wrench.push_back(signals::signal_text(one, signals::wrench_units));
-  expect_steps(commands, result);
+  result.settling = simulation::settling_of(commands);
   fill_in(loop, result);
   std::optional<RecordFile> record;
   if (!options.record.empty()) {
@@ -274,7 +259,7 @@ report::Simulation simulate(const Machine& machine, const SimulateOptions& optio
         recorder(sample);
         if (record) record->append(sample);
       },
-      keep_going(progress, result.until), result.settling_band);
+      keep_going(progress, result.until), result.settling.band);
   if (record) result.record = record->close(result.summary.end == simulation::RunEnd::finished);
   result.trace = recorder.trace();
   return result;

@@ -8,7 +8,6 @@
 #include <exception>
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <limits>
 #include <span>
 
@@ -25,12 +24,22 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Seconds a row takes, from the first ones.
+/// How many samples make a row.
+double combinations_of(const study::Problem& problem) {
+  double count = 1.0;
+  if (problem.beneath)
+    for (std::size_t k = problem.inputs.size(); k < problem.beneath->inputs.size(); ++k)
+      count *= static_cast<double>(problem.beneath->inputs[k].distribution.list.size());
+  return count;
+}
+
+/// Seconds a row takes without its motion, from the first ones.
 double measured_seconds(const study::Problem& problem, const study::Plan& plan,
                         std::uint64_t rows) {
   constexpr std::uint64_t enough = 512, together = 64;
   constexpr double long_enough = 0.05;  // [s]
   const std::size_t inputs = problem.inputs.size();
+  const study::Interruptible motions(problem, [] { return true; });  // end where they first look
   study::Evaluator evaluator(problem);
   const auto begun = std::chrono::steady_clock::now();
   const auto passed = [&] {
@@ -184,8 +193,9 @@ void set_grid(std::span<const study::Input> inputs, study::Plan& plan) {
 }
 
 /// The motion that is asked for. Throws base::InputError where the machine as it is cannot make it.
+/// `seconds`: what one takes, from its beginning.
 std::optional<study::Motion> motion_of(const Machine& machine, const StudyOptions& options,
-                                       std::vector<std::string>& warnings) {
+                                       std::vector<std::string>& warnings, double& seconds) {
   if (options.commands.empty()) {
     if (options.until) base::refuse("--until", "is the end of a motion; add --command");
     return std::nullopt;
@@ -203,6 +213,14 @@ std::optional<study::Motion> motion_of(const Machine& machine, const StudyOption
     auto why = simulation::instability(loop);
     if (why.empty()) why = simulation::loss_of_rest(loop, signal, motion.until);
     if (!why.empty()) warnings.push_back(std::move(why));
+    constexpr auto long_enough = std::chrono::milliseconds(100);
+    const auto begun = std::chrono::steady_clock::now();
+    const auto passed = [&] { return std::chrono::steady_clock::now() - begun; };
+    const auto run = loop.run(
+        simulation::command_source(signal), [](const simulation::LoopSample&) {},
+        [&](double) { return passed() < long_enough; });
+    if (run.time > 0.0)
+      seconds = std::chrono::duration<double>(passed()).count() * motion.until / run.time;
   } catch (const std::length_error& error) {
     base::refuse("--until", error.what());
   }
@@ -217,17 +235,19 @@ StudyJob prepare_study(const Machine& machine, const StudyOptions& options) {
                .poses = options.poses,
                .commands = options.commands};
   if (options.until) job.commands.push_back(fmt::format("until {} s", *options.until));
+  double seconds_of_motion = 0.0;
   auto [inputs, outer, correlation] = study_inputs(machine, options);
   if (outer == 0) throw std::invalid_argument("prepare_study: nothing varies");
   if (job.plan.design == study::Design::grid) set_grid(std::span(inputs).first(outer), job.plan);
-  job.problem = study::machine_problem(machine.file.machine, std::move(inputs),
-                                       {.kind = machine.kind,
-                                        .X_BP = machine.pose.X_BP,
-                                        .modes = options.modes,
-                                        .also = extra_outputs_of(machine, options),
-                                        .motion = motion_of(machine, options, job.warnings),
-                                        .poses = options.poses,
-                                        .pose = machine.pose.name});
+  job.problem = study::machine_problem(
+      machine.file.machine, std::move(inputs),
+      {.kind = machine.kind,
+       .X_BP = machine.pose.X_BP,
+       .modes = options.modes,
+       .also = extra_outputs_of(machine, options),
+       .motion = motion_of(machine, options, job.warnings, seconds_of_motion),
+       .poses = options.poses,
+       .pose = machine.pose.name});
   if (!options.worst_over.empty()) job.problem = worst_over(std::move(job.problem), outer);
   job.problem.correlation = std::move(correlation);
   for (const auto& text : options.want) {
@@ -236,7 +256,8 @@ StudyJob prepare_study(const Machine& machine, const StudyOptions& options) {
     if (job.problem.beneath) check_sense(job.requirements.back(), job.problem.outputs);
   }
   job.rows = rows_of(job.plan, job.problem.inputs.size());
-  job.seconds_per_row = measured_seconds(job.problem, job.plan, job.rows);
+  job.seconds_per_row = measured_seconds(job.problem, job.plan, job.rows) +
+                        seconds_of_motion * combinations_of(job.problem);
   job.bytes = static_cast<double>(job.rows) * sizeof(double) *
               static_cast<double>(job.problem.inputs.size() + job.problem.outputs.size());
   return job;
@@ -291,23 +312,11 @@ study::RunResult compute(const StudyJob& job, const StudyRunOptions& options,
   return result;
 }
 
-}  // namespace
-
-namespace {
-
-/// Are the values of a grid in order?
-bool ascend(const std::vector<study::Input>& inputs) {
-  return std::ranges::all_of(inputs, [](const auto& input) {
-    const auto& list = input.distribution.list;
-    return std::ranges::adjacent_find(list, std::greater_equal<>()) == list.end();
-  });
-}
-
-/// Of a map: where what is named or required is worse between its poses.
-void look_between(const StudyJob& job, study::Summary& summary) {
-  constexpr double long_enough = 10.0;  // [s]
-  constexpr double rows = 300.0;        // of one search, at most about
-  if (!ascend(job.problem.inputs)) return;
+/// Of a map: where what is named or required is worse between its poses. Rows that take long are
+/// not looked between.
+void look_between(const StudyJob& job, study::Summary& summary, const Progress& progress) {
+  constexpr double long_enough = 3.0;  // [s]
+  constexpr double rows = 300.0;       // of one search, about
   std::vector<std::string> names{"lowest", "drop", "condition"};
   for (const auto& extra : study::extra_outputs(job.machine.file.machine, job.machine.kind))
     names.push_back(extra.name);
@@ -319,11 +328,12 @@ void look_between(const StudyJob& job, study::Summary& summary) {
     auto& output = summary.outputs[k];
     if (std::ranges::count(names, column.name) == 0 || output.count == 0) continue;
     seconds += rows * job.seconds_per_row;
-    if (seconds > long_enough) return;
-    const auto worst =
-        study_row(job, column.worse == study::Worse::more ? output.most_row : output.least_row);
-    output.between = study::worst_between(
-        job.problem, std::span(worst).first(job.problem.inputs.size()), static_cast<int>(k));
+    if (seconds > long_enough || (progress && progress(1.0))) return;
+    const bool more = column.worse == study::Worse::more;
+    const auto worst = study_row(job, more ? output.most_row : output.least_row);
+    output.between =
+        study::worst_between(job.problem, std::span(worst).first(job.problem.inputs.size()),
+                             more ? output.most : output.least, static_cast<int>(k));
   }
 }
 
@@ -395,7 +405,7 @@ StudyDone run_study(const StudyJob& job, const StudyRunOptions& options, const P
   }
   done.summary = study::summarise(spool, job.problem, job.plan, job.requirements,
                                   {.threads = options.threads, .reached = job.poses});
-  if (job.poses && done.complete) look_between(job, *done.summary);
+  if (job.poses && done.complete) look_between(job, *done.summary, progress);
   if (done.complete && !options.join) {
     for (const auto& file : files) fs::remove(file);
     done.rows_file.clear();

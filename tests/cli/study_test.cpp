@@ -19,6 +19,7 @@ namespace hydrapod {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 const std::string machine = test::source_file("models/zhang-jiang-2021-transverse.toml").string();
 
@@ -322,6 +323,9 @@ TEST(Studies, SayWhatIsWrongWithWhatTheyAreAskedFor) {
   fails({"--also", "power"}, "supply.pump_flow");
   fails({"--want", "stiffness_q >= 3 kN/mm"}, "did you mean 'stiffness_");
   fails({"--until", "2"}, "add --command");
+  const auto sixth = test::run_hydrapod(
+      {"montecarlo", machine, "--vary", "legs.rod.mass=normal ± 2 % per leg correlated -0.5"});
+  EXPECT_THAT(sixth.err, HasSubstr("six numbers can have -0.2 with each other at the least"));
   fails({"--command", "step z=9 m"}, "more stroke than it has");
 }
 
@@ -354,6 +358,24 @@ TEST(Studies, EverySampleMakesAMotion) {
     EXPECT_EQ(rows.at("settling_z [s]")[k], z.at("settling_time_s").get<double>());
   }
   EXPECT_NE(rows.at("rms_error_z [m]")[0], rows.at("rms_error_z [m]")[1]);
+  // the same from a file, whose motion the command line may shorten
+  test::write_text(folder / "m.toml",
+                   fmt::format("machine = \"{}\"\nsamples = 2\n"
+                               "command = [\"step z=1 mm, at=0.1\"]\nuntil = 2.4\n"
+                               "[vary]\n\"platform.mass\" = \"normal ± 1 %\"\n",
+                               heavy));
+  const auto from_file = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> all{"montecarlo", (folder / "m.toml").string(), "--results",
+                                 (folder / "m.h5").string(), "--force"};
+    all.insert(all.end(), more.begin(), more.end());
+    return test::run_hydrapod(all);
+  };
+  const auto whole = from_file({});
+  EXPECT_THAT(whole.out, testing::AllOf(HasSubstr("motion: step z=1 mm, at=0.1; until 2.4 s"),
+                                        HasSubstr("settling_z "), Not(HasSubstr("motions have"))))
+      << whole.err;
+  EXPECT_THAT(from_file({"--until", "0.4"}).out,
+              HasSubstr("2 of 2 motions have not settled in z at their end"));
   EXPECT_EQ(rows.count("settling_x [s]"), 0U);
 }
 

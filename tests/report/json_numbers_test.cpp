@@ -439,10 +439,10 @@ report::Simulation simulated() {
   s.summary.peak_error = six(1.4);
   s.summary.final_error = 1e-3 * six(1.5);
   s.summary.settled = six(1.6);
-  s.settling_band = 1e-2 * six(1.7);
+  s.settling.band = 1e-2 * six(1.7);
   for (std::size_t i = 0; i < 6; ++i) {
     const auto at = static_cast<int>(i);
-    s.step_time[i] = 0.5 + 0.01 * at;
+    s.settling.step[i] = 0.5 + 0.01 * at;
     s.stops[i] = {.low = six(0.4)[at], .high = six(0.9)[at]};
     s.summary.piston_low[i] = six(0.5)[at];
     s.summary.piston_high[i] = six(0.7)[at];

@@ -279,10 +279,7 @@ struct Simulation {
   control::ControllerParameters controller{};
   double lowest_oil_mode{};  ///< [rad/s]
   std::array<hydraulics::Stops, model::leg_count> stops{};
-  /// Of the steps among the commands, per direction: when [s], and within which band a settled
-  /// platform stays: 2 % of the step. Not set without a step.
-  std::array<std::optional<double>, 6> step_time{};
-  Eigen::Matrix<double, 6, 1> settling_band{};
+  simulation::Settling settling{};
   simulation::RunSummary summary{};
   simulation::Trace trace{};
   std::string record{};  ///< file that holds it; empty: none was asked for
@@ -366,7 +363,8 @@ Json study_json(const study::Problem& problem, const study::Plan& plan,
 struct Field {
   std::string x_name{}, y_name{};  ///< with units
   std::vector<double> x{}, y{};
-  std::string name{};  ///< of the value, with its unit
+  std::string name{};  ///< of the value
+  std::string unit{};  ///< SI, drawn with a prefix; empty: it is in the name
   std::vector<double> values{};
   /// Of a requirement for this value; its contour is drawn, and named by the text.
   std::optional<double> bound{};

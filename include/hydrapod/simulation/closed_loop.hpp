@@ -241,6 +241,17 @@ struct RunSummary {
   std::array<long, model::leg_count> torque_limited{};
 };
 
+/// Of the steps among commands, per direction: when the last one comes, and how near to its end a
+/// settled motion stays.
+struct Settling {
+  std::array<std::optional<double>, 6> step{};  ///< [s]; none: no step
+  Vector6 band{Vector6::Constant(1e-5)};        ///< 2 % of the step; without one 1e-5 [m, rad]
+};
+Settling settling_of(const std::vector<signals::Signal>& commands);
+/// From the last step in a direction, or from the beginning, until the motion of a run with this
+/// band stays within it [s]; none: it is outside at the end.
+std::optional<double> settling_time(const RunSummary& run, const Settling& settling, int direction);
+
 class ClosedLoop {
  public:
   /// Tunes the controller and brings the machine to rest at `operating`. Throws

@@ -35,6 +35,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "hydrapod/dynamics/linear_model.hpp"
@@ -105,7 +106,10 @@ using BatchModel = std::function<std::size_t(std::span<const Row>)>;
 /// thread.
 class Interruption {
  public:
-  [[nodiscard]] bool is_asked() const { return asked_ != nullptr && (*asked_)(); }
+  [[nodiscard]] bool is_asked() const {
+    const auto* const asked = asked_.load();
+    return asked != nullptr && (*asked)();
+  }
   /// None: nobody asks. `asked` must live until the next call.
   void set(const std::function<bool()>* asked) { asked_ = asked; }
 
@@ -125,6 +129,25 @@ struct Problem {
   std::shared_ptr<Interruption> interruption{};  ///< of models that look there
 };
 
+/// Lets a problem's model ask whether to stop, as long as it lives.
+class Interruptible {
+ public:
+  Interruptible(const Problem& problem, std::function<bool()> asked)
+      : interruption_(problem.interruption), asked_(std::move(asked)) {
+    if (interruption_) interruption_->set(&asked_);
+  }
+  Interruptible(const Interruptible&) = delete;
+  Interruptible& operator=(const Interruptible&) = delete;
+  ~Interruptible() {
+    if (interruption_) interruption_->set(nullptr);
+  }
+  [[nodiscard]] const std::function<bool()>& asked() const { return asked_; }
+
+ private:
+  std::shared_ptr<Interruption> interruption_;
+  std::function<bool()> asked_;
+};
+
 /// Of a matrix of correlations, unit diagonal. Throws base::InputError with `place` where no inputs
 /// can have them.
 Eigen::MatrixXd correlation_factor(const Eigen::MatrixXd& correlations, const std::string& place);
@@ -133,9 +156,8 @@ void correlate(const Eigen::MatrixXd& factor, std::span<double> u);
 
 /// The same outputs as the worst over some inputs: those of `problem` from number `outer` on, which
 /// have lists of values, are left out, and a row has for each column the worst value of all their
-/// combinations (see Column). A row with a combination that is not computed has its status
-/// (Status::out_of_reach if one has that, else the largest) and no values but `stroke`. A value
-/// that one combination lacks is missing.
+/// combinations (see Column). A value that one combination lacks is missing. The status is
+/// Status::out_of_reach if one combination has that, else the largest.
 Problem worst_over(Problem problem, std::size_t outer);
 /// Inputs, those left out too, and outputs of the combination that is worst in a column; none: it
 /// has no value there.
@@ -338,11 +360,11 @@ struct Summary {
   std::optional<ReachedPart> reached{};  ///< of a whole grid of poses
 };
 
-/// From a row of a grid, `inputs`, to where column `column` is worse nearby: steps of half the
-/// distance to the next rows and of halves of it, down to 1/1000, within the grid. None: no pose
-/// there is worse. Lists of inputs must ascend.
+/// From a row of a grid, with `inputs` and `value` in column `column`, to where that is worse
+/// nearby: steps of half the distance to the next rows and of halves of it, down to 1/1000, within
+/// the grid. None: nothing there is worse.
 std::optional<WorstBetween> worst_between(const Problem& problem, std::span<const double> inputs,
-                                          int column);
+                                          double value, int column);
 
 struct SummaryOptions {
   std::vector<double> probabilities{0.01, 0.05, 0.5, 0.95, 0.99};
