@@ -139,9 +139,7 @@ class FaultyRuns {
   }
 
   RunResult run(std::vector<std::pair<std::string, std::string>> variables, double timeout = 60.0) {
-#ifdef FAILING_CALLS
-    if (!variables.empty()) variables.emplace_back("LD_PRELOAD", FAILING_CALLS);
-#endif
+    if (!variables.empty()) variables.emplace_back("LD_PRELOAD", failing_calls().string());
     return run_hydrapod(command_.arguments,
                         {.folder = folder_.path(), .variables = variables, .timeout = timeout});
   }

@@ -13,9 +13,7 @@ namespace {
 class FaultsLong : public testing::TestWithParam<WritingCommand> {};
 
 TEST_P(FaultsLong, WhereAnyCallFailsNothingIsLost) {
-#ifndef FAILING_CALLS
-  GTEST_SKIP() << "a sanitizer's own calls would fail";
-#endif
+  if (failing_calls().empty()) GTEST_SKIP() << "a sanitizer's own calls would fail";
   FaultyRuns runs(GetParam());
   for (const bool once : {false, true}) {
     for (const char* calls : {"write", "fsync", "rename", "open", "truncate"})

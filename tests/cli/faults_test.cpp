@@ -8,9 +8,7 @@ namespace {
 class Faults : public testing::TestWithParam<WritingCommand> {};
 
 TEST_P(Faults, WhereACallFailsNothingIsLost) {
-#ifndef FAILING_CALLS
-  GTEST_SKIP() << "a sanitizer's own calls would fail";
-#endif
+  if (failing_calls().empty()) GTEST_SKIP() << "a sanitizer's own calls would fail";
   FaultyRuns runs(GetParam());
   for (const char* calls : {"write", "fsync", "rename", "open"}) {
     const long all = runs.count(calls);

@@ -105,6 +105,8 @@ RunResult run_hydrapod(const std::vector<std::string>& arguments, const RunOptio
 
 fs::path hydrapod_program() { return program_file; }
 
+fs::path failing_calls() { return failing_calls_file; }
+
 fs::path source_file(const std::string& relative) { return fs::path(source_folder) / relative; }
 
 std::string read_text(const fs::path& path) {

@@ -35,6 +35,10 @@ RunResult run_hydrapod(const std::vector<std::string>& arguments, const RunOptio
 /// Where the program `hydrapod` of this build stands.
 std::filesystem::path hydrapod_program();
 
+/// Makes calls of the system fail where it is preloaded (tests/faults); empty in builds with
+/// sanitizers, whose own calls would fail.
+std::filesystem::path failing_calls();
+
 /// A file of the repository: `source_file("models/paper.toml")`.
 std::filesystem::path source_file(const std::string& relative);
 
