@@ -110,12 +110,30 @@ test('the whole page shows the machine where the cross is, and the address keeps
   });
 });
 
+/** Where an element stands once nothing above it grows any more: ten frames at one place. */
+const rested = (page, selector) =>
+  page.evaluate(async (selector) => {
+    const box = () => document.querySelector(selector).getBoundingClientRect();
+    for (let last = box(), still = 0; still < 10; ) {
+      await new Promise(requestAnimationFrame);
+      const now = box();
+      still = now.x === last.x && now.y === last.y && now.width === last.width ? still + 1 : 0;
+      last = now;
+    }
+    const { x, y, width, height } = box();
+    return { x, y, width, height };
+  }, selector);
+
 test('the cross is dragged with the mouse, sliders by keys', async () => {
   await withPage(report(heavy), still, async (page) => {
     await mapped(page);
     const picture = page.locator('.heat-map');
+    await page.evaluate(async () => {
+      await window.hydrapod.whatIf.ready;
+      await window.hydrapod.whatIf.shown();
+    });
     await picture.scrollIntoViewIfNeeded();
-    const box = await picture.boundingBox();
+    const box = await rested(page, '.heat-map');
     const size = await page.evaluate(() => {
       const { width, height } = document.querySelector('.heat-map').viewBox.baseVal;
       return { width, height };
