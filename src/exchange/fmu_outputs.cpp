@@ -62,6 +62,23 @@ void add_platform(const Plant& plant, std::vector<FmuOutput>& all) {
         accelerations);
 }
 
+/// Those of the rig, without noise and filters.
+void add_accelerometers(const Plant& plant, std::vector<FmuOutput>& all) {
+  constexpr std::array<char, 3> axes{'x', 'y', 'z'};
+  std::size_t axis = 0;
+  for (const auto& one : rig::default_accelerometers(plant.machine())) {
+    const auto leg = std::to_string(one.point);
+    all.push_back({.name = "accelerometer" + leg + '.' + axes[axis++ % axes.size()],
+                   .unit = "m/s^2",
+                   .description = "accelerometer on the platform at the joint of leg " + leg +
+                                  ", axes of the platform: acceleration against the ground less "
+                                  "gravity, 0 at rest",
+                   .nominal = 1.0,
+                   .parts = accelerations,
+                   .sensor = one});
+  }
+}
+
 }  // namespace
 
 std::vector<FmuOutput> fmu_output_table(const Plant& plant) {
@@ -107,6 +124,7 @@ std::vector<FmuOutput> fmu_output_table(const Plant& plant) {
     add("friction_force", "N", "of the seals on the rod, + pushes the leg out", 1e3,
         of_leg<&Leg::friction_force>, leg_speed | part::bristle);
   }
+  add_accelerometers(plant, all);
   return all;
 }
 
@@ -114,7 +132,11 @@ std::vector<double> fmu_outputs(const Plant& plant, const double* x,
                                 const simulation::PlantInput& input) {
   const auto out = plant.outputs(x, input);
   std::vector<double> values;
-  for (const auto& one : fmu_output_table(plant)) values.push_back(one.get(out, one.element));
+  const auto& machine = plant.machine();
+  for (const auto& one : fmu_output_table(plant))
+    values.push_back(one.sensor
+                         ? rig::specific_force(*one.sensor, machine, machine.poses.back().X_BP, out)
+                         : one.get(out, one.element));
   return values;
 }
 

@@ -2,6 +2,7 @@
 /// The outputs of an FMU as a table, and the parts of the plant that a number may depend on.
 
 #include "fmu_interface.hpp"
+#include "hydrapod/rig/rig.hpp"
 
 namespace hydrapod::exchange {
 
@@ -36,10 +37,11 @@ inline constexpr unsigned joints = 1U << 23U;  ///< bend of their bristles
 struct FmuOutput {
   std::string name{}, unit{}, description{};
   double nominal{};
-  double (*get)(const simulation::PlantOutput&, int element){};
-  int element{};     ///< direction or leg
-  int leg{-1};       ///< whose parts; −1: of all
-  unsigned parts{};  ///< on which it depends
+  double (*get)(const simulation::PlantOutput&, int element){};  ///< null: of `sensor`
+  int element{};                                                 ///< direction or leg
+  int leg{-1};                                                   ///< whose parts; −1: of all
+  unsigned parts{};                                              ///< on which it depends
+  std::optional<rig::Accelerometer> sensor{};
 };
 
 std::vector<FmuOutput> fmu_output_table(const simulation::Plant& plant);

@@ -178,19 +178,6 @@ class Source {
 
 }  // namespace
 
-/// Against the ground, with the share of gravity as the platform and the base under it tilt.
-double specific_force(const Accelerometer& one, const model::Machine& machine,
-                      const spatial::Pose& operating, const simulation::PlantOutput& plant) {
-  const Vector3 p_CA_B = plant.X_BP.R_BP * (one.p_P - machine.platform.mass_center);
-  const Vector3 omega = plant.twist.tail<3>(), alpha = plant.ground_acceleration.tail<3>();
-  const Vector3 a =
-      plant.ground_acceleration.head<3>() + alpha.cross(p_CA_B) + omega.cross(omega.cross(p_CA_B));
-  const Vector3& gravity = machine.gravity;
-  const Vector3 gravity_B = gravity - Vector3(plant.base.motion.tail<3>()).cross(gravity);
-  const double at_rest = (operating.R_BP * one.e_P).dot(-gravity);
-  return (plant.X_BP.R_BP * one.e_P).dot(a - gravity_B) - at_rest;
-}
-
 spatial::Matrix6 excitation_jacobian(const model::Machine& machine, const spatial::Pose& pose) {
   return kinematics::leg_jacobian(kinematics::inverse_kinematics(machine, pose), pose.p_BP);
 }

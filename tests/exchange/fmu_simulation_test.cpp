@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 #include <malloc.h>
 
+#include <Eigen/Geometry>
+#include <array>
 #include <cmath>
 #include <thread>
 
@@ -54,6 +56,55 @@ TEST_P(CoSimulation, OutputsAreThoseOfThePlant) {
     expect(leg + "spool", of.spool, 1.0);
     expect(leg + "oil_force", of.oil_force, 1e5);
     expect(leg + "friction_force", of.friction_force, 1e5);
+  }
+}
+
+spatial::Matrix3 orientation(const Slave& slave) {
+  using spatial::Vector3;
+  return (Eigen::AngleAxisd(slave.get("pose.rz"), Vector3::UnitZ()) *
+          Eigen::AngleAxisd(slave.get("pose.ry"), Vector3::UnitY()) *
+          Eigen::AngleAxisd(slave.get("pose.rx"), Vector3::UnitX()))
+      .toRotationMatrix();
+}
+
+/// Speed of the platform at the joint of a leg, from the FMU's velocities and pose.
+spatial::Vector3 speed_of_joint(const Subject& subject, const Slave& slave, std::size_t leg) {
+  const auto three = [&](const char* a, const char* b, const char* c) {
+    return spatial::Vector3(slave.get(a), slave.get(b), slave.get(c));
+  };
+  const spatial::Vector3 arm = orientation(slave) * (subject.machine.legs[leg].platform_joint -
+                                                     subject.machine.platform.mass_center);
+  return three("vx", "vy", "vz") + three("wx", "wy", "wz").cross(arm);
+}
+
+TEST_P(CoSimulation, AccelerometersFeelTheAccelerationOfTheirPlaceLessGravity) {
+  const Subject subject(GetParam());
+  const Slave slave(subject.fmu, true, true, 1e-11);
+  EXPECT_NEAR(slave.get("accelerometer3.z"), 0.0, 1e-6);  // at rest
+  Random random(11);
+  ASSERT_EQ(ok, slave.set(subject.inputs, subject.noise(random)));
+  double time = 0.0;
+  const auto step = [&](double h) {
+    ASSERT_EQ(ok, slave.step(time, h));
+    time += h;
+  };
+  for (int k = 0; k < 20; ++k) step(sample);
+  constexpr double h = 1e-5;
+  for (const std::size_t leg : {0U, 2U, 4U}) {
+    const auto before = speed_of_joint(subject, slave, leg);
+    step(h);
+    const auto R = orientation(slave);
+    std::array<double, 3> shown{};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      shown[axis] = slave.get("accelerometer" + std::to_string(leg + 1) + '.' + "xyz"[axis]);
+    step(h);
+    const spatial::Vector3 a = (speed_of_joint(subject, slave, leg) - before) / (2.0 * h);
+    const auto& rest = subject.machine.neutral().R_BP;
+    const spatial::Vector3 expected =
+        R.transpose() * (a - subject.machine.gravity) + rest.transpose() * subject.machine.gravity;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      EXPECT_NEAR(shown[axis], expected[static_cast<Eigen::Index>(axis)], 2e-5 * (1.0 + a.norm()))
+          << leg << "xyz"[axis];
   }
 }
 

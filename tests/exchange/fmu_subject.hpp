@@ -115,7 +115,7 @@ inline void expect_derivatives_of_differences(const Subject& subject, Random& ra
   std::vector<unsigned> unknowns;
   for (const auto& [name, reference] : subject.fmu.references)
     if (name.starts_with("der(") || name.ends_with("length_rate") ||
-        name.starts_with("acceleration"))
+        name.starts_with("acceleration") || name.starts_with("accelerometer"))
       unknowns.push_back(reference);
   const auto count = unknowns.size();
   const auto knowns = static_cast<int>(x.size() + inputs.size());
