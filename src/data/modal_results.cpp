@@ -12,7 +12,7 @@
 
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/base/units.hpp"
-#include "uff_dataset.hpp"
+#include "mode_dataset.hpp"
 #include "uff_geometry.hpp"
 #include "uff_text.hpp"
 
@@ -121,12 +121,6 @@ bool put_at_outputs(const std::vector<Channel>& outputs, const std::vector<Chann
   return !inputs.empty();
 }
 
-namespace code {  // record 6 of dataset 55
-constexpr int structural = 1, complex_eigenvalue = 3, complex_data = 5;
-constexpr int displacement = 8, speed = 11, acceleration = 12;
-constexpr int translations = 2, translations_and_rotations = 3;
-}  // namespace code
-
 std::string real_line(const std::vector<double>& values) {
   constexpr std::size_t per_line = 6;
   std::string text;
@@ -220,165 +214,113 @@ std::string input_text(const ModalPlaces& places) {
   return text;
 }
 
-std::string mode_text(const ModalResults& all, std::size_t number, const ModalPlaces& places) {
+/// Lines 1 to 5 of text.
+std::string id_text(const ModalResults& all, std::size_t number, const ModalPlaces& places) {
   const auto& mode = all.modes[number];
-  const bool turns = std::ranges::any_of(places.outputs, [](auto& p) { return p.component > 2; });
-  const std::size_t per_node = turns ? 6 : 3;
-  const double omega = std::abs(mode.pole);
-  std::string text = fmt::format("{}    55\n", uff_delimiter);
   const std::string frequency =
-      fmt::format("mode {}: {:.6g} Hz, damping {:.4g} %", number + 1, omega / base::two_pi,
-                  -100.0 * mode.pole.real() / omega);
+      fmt::format("mode {}: {:.6g} Hz, damping {:.4g} %", number + 1, mode.omega() / base::two_pi,
+                  100.0 * mode.damping_ratio());
   std::array<std::string, 5> id{all.title, frequency, uff_date(all.date), "identified by hydrapod",
                                 input_text(places)};
   put_id_lines(mode.id_lines, id);
+  std::string text;
   for (const std::string& line : id) text += uff_text_line(line);
-  text +=
-      fmt::format("{:10}{:10}{:10}{:10}{:10}{:10}\n", code::structural, code::complex_eigenvalue,
-                  turns ? code::translations_and_rotations : code::translations, code::displacement,
-                  code::complex_data, per_node);
-  text += fmt::format("{:10}{:10}{:10}{:10}\n", 2, 6, 1, number + 1);
-  text += real_line(
-      {mode.pole.real(), mode.pole.imag(), 1.0, 0.0, -mode.pole.real(), -mode.pole.imag()});
-  const auto numbers = scaled(mode, places);
-  NodeNumbers nodes;
-  if (places.at_output.empty()) add_numbers(numbers.inputs, places.inputs, per_node, nodes);
-  add_numbers(numbers.outputs, places.outputs, per_node, nodes);
+  return text;
+}
+
+/// Eigenvalue, modal A, modal B.
+std::string eigenvalue_line(std::complex<double> pole) {
+  return real_line({pole.real(), pole.imag(), 1.0, 0.0, -pole.real(), -pole.imag()});
+}
+
+/// Record 6 of dataset 55 and 9 of dataset 2414.
+std::string kind_line(int analysis, int data, std::size_t per_node) {
+  return fmt::format("{:10}{:10}{:10}{:10}{:10}{:10}\n", code::structural, analysis,
+                     per_node == 6 ? code::translations_and_rotations : code::translations,
+                     code::displacement, data, per_node);
+}
+
+std::string nodes_text(const NodeNumbers& nodes, bool is_complex) {
+  std::string text;
   for (const auto& [node, values] : nodes) {
     std::vector<double> reals;
     for (const auto value : values) {
       reals.push_back(value.real());
-      reals.push_back(value.imag());
+      if (is_complex) reals.push_back(value.imag());
     }
     text += fmt::format("{:10}\n", node) + real_line(reals);
   }
-  return text + uff_delimiter;
+  return text;
+}
+
+std::size_t values_per_node(const ModalPlaces& places) {
+  const bool turns = std::ranges::any_of(places.outputs, [](auto& p) { return p.component > 2; });
+  return turns ? 6 : 3;
+}
+
+/// Dataset 55.
+std::string mode_text(const ModalResults& all, std::size_t number, const ModalPlaces& places) {
+  const auto& mode = all.modes[number];
+  const auto per_node = values_per_node(places);
+  const auto numbers = scaled(mode, places);
+  NodeNumbers nodes;
+  if (places.at_output.empty()) add_numbers(numbers.inputs, places.inputs, per_node, nodes);
+  add_numbers(numbers.outputs, places.outputs, per_node, nodes);
+  return fmt::format("{}{:6}\n", uff_delimiter, uff_modes) + id_text(all, number, places) +
+         kind_line(code::complex_eigenvalue, code::complex_data, per_node) +
+         fmt::format("{:10}{:10}{:10}{:10}\n", 2, 6, 1, number + 1) + eigenvalue_line(mode.pole) +
+         nodes_text(nodes, true) + uff_delimiter;
+}
+
+/// m of φ_o φ_i/(2 i ω_d m) = φ_o L_i where all shapes are real and all forces act where they are
+/// measured.
+std::vector<double> modal_masses(const ModalResults& all, const ModalPlaces& places) {
+  std::vector<double> masses;
+  constexpr double rounding = 1e-9;
+  for (const auto& mode : all.modes) {
+    if (places.at_output.empty() || !mode.shape.imag().isZero(0.0)) return {};
+    std::complex<double> sum = 0.0;
+    double square = 0.0;
+    for (std::size_t i = 0; i < places.at_output.size(); ++i) {
+      const auto shape = at_output(mode.shape, places, i);
+      sum += std::conj(shape) * 2.0 * std::complex(0.0, mode.pole.imag()) *
+             at_input(mode.participation, places, i);
+      square += std::norm(shape);
+    }
+    const auto inverse = sum / square;
+    if (!(inverse.real() > 0.0) || std::abs(inverse.imag()) > rounding * inverse.real()) return {};
+    masses.push_back(1.0 / inverse.real());
+  }
+  return masses;
+}
+
+/// Dataset 2414. `mass`: of a normal mode; 0: it is a complex one.
+std::string analysis_text(const ModalResults& all, std::size_t number, const ModalPlaces& places,
+                          double mass) {
+  const auto& mode = all.modes[number];
+  const bool normal = mass > 0.0;
+  const auto per_node = values_per_node(places);
+  const double omega = mode.omega();
+  NodeNumbers nodes;
+  add_numbers(normal ? mode.shape : scaled(mode, places).outputs, places.outputs, per_node, nodes);
+  return fmt::format("{}{:6}\n{:10}\n", uff_delimiter, uff_analysis, number + 1) +
+         uff_text_line(fmt::format("mode {}", number + 1)) +
+         fmt::format("{:10}\n", code::at_nodes) + id_text(all, number, places) +
+         (normal ? kind_line(code::normal_mode, code::real_data, per_node)
+                 : kind_line(code::complex_eigenvalue, code::complex_data, per_node)) +
+         fmt::format("{:10}{:10}{:10}{:10}{:10}{:10}{:10}{:10}\n{:10}{:10}\n", 0, 0, 1, 0, 1,
+                     number + 1, 0, 0, 0, 0) +
+         real_line({0.0, omega / base::two_pi, omega * omega, mass,
+                    omega > 0.0 ? mode.damping_ratio() : 0.0, 0.0}) +
+         (normal ? real_line({0.0, 0.0, 0.0, 0.0, 0.0, 0.0}) : eigenvalue_line(mode.pole)) +
+         nodes_text(nodes, !normal) + uff_delimiter;
 }
 
 constexpr const char* inputs_key = "modal_inputs";
 constexpr const char* at_outputs = "at outputs";
 
-using Complex = std::complex<double>;
-using NodeValues = std::map<std::pair<int, int>, Complex>;  // (node, component)
-
-struct Mode {
-  Complex pole{};
-  double modal_mass{};  ///< 0: not known
-  NodeValues values{};
-  std::vector<std::string> id_lines{};
-};
-
-class ModeReader {
- public:
-  ModeReader(const UffLines& dataset, Notes& notes) : dataset_(dataset), notes_(notes) {}
-
-  /// None for analyses that are no modes.
-  std::optional<Mode> read() {
-    const auto head = integers(5, 6);
-    const auto analysis = head[1], type = head[4], per_node = head[5];
-    constexpr long long normal = 2, first_order = 3, second_order = 7, real = 2, complex = 5;
-    if (analysis != normal && analysis != first_order && analysis != second_order) return {};
-    if (type != real && type != complex)
-      fail(5, fmt::format("data type {}: expected 2 (real) or 5 (complex)", type));
-    if (per_node != 3 && per_node != 6)
-      fail(5, fmt::format("{} values per node: expected 3 or 6", per_node));
-    Mode mode;
-    const auto numbers = reals(7, analysis == normal ? 3 : 2);
-    if (analysis == normal) {
-      const double omega = base::two_pi * numbers[0], zeta = numbers[2];
-      mode.pole = {-zeta * omega, omega * std::sqrt(std::max(0.0, 1.0 - zeta * zeta))};
-      mode.modal_mass = numbers[1];
-    } else {
-      mode.pole = {numbers[0], numbers[1]};
-    }
-    read_nodes(static_cast<std::size_t>(per_node), type == complex, mode.values);
-    become_displacements(head[3], mode);
-    become_metres(mode);
-    std::array<std::string, 5> id;
-    for (std::size_t k = 0; k < id.size(); ++k) id[k] = clean_text(columns(line(k), 0, 80));
-    mode.id_lines = uff_id_lines(id);
-    return mode;
-  }
-
- private:
-  /// Speeds are λ times displacements, accelerations λ² times.
-  void become_displacements(long long quantity, Mode& mode) {
-    const int derivatives = quantity == code::acceleration ? 2 : quantity == code::speed ? 1 : 0;
-    if (derivatives == 0) return;
-    mode.modal_mass = 0.0;  // that of another scale
-    if (mode.pole == 0.0) return;
-    notes_.add(
-        fmt::format("the shapes are {}: divided by λ{} they are displacements",
-                    derivatives == 2 ? "accelerations" : "speeds", derivatives == 2 ? "²" : ""),
-        0, 0, "derivatives");
-    for (auto& [place, value] : mode.values) value /= std::pow(mode.pole, derivatives);
-  }
-
-  /// Beside angles lengths must be in metres.
-  void become_metres(Mode& mode) const {
-    if (!dataset_.units) return;
-    // of an energy, force times length
-    mode.modal_mass = dataset_.units->usable
-                          ? mode.modal_mass / (dataset_.units->length * dataset_.units->force)
-                          : 0.0;
-    const bool turns = std::ranges::any_of(
-        mode.values, [](const auto& at) { return at.first.second > 2 && at.second != 0.0; });
-    if (!dataset_.units->usable) {
-      if (turns) fail(0, "has lengths and angles, and the unit of the lengths is unknown");
-      return;
-    }
-    for (auto& [place, value] : mode.values)
-      if (place.second < 3) value /= dataset_.units->length;
-  }
-
-  [[noreturn]] void fail(std::size_t line, const std::string& what) const {
-    const auto below = static_cast<unsigned>(std::min(line, dataset_.lines.size()));
-    notes_.fail("dataset 55: " + what, dataset_.line > 0 ? dataset_.line + below : 0);
-  }
-  [[nodiscard]] const std::string& line(std::size_t at) const {
-    if (at >= dataset_.lines.size()) fail(at, "ends too early");
-    return dataset_.lines[at];
-  }
-  [[nodiscard]] std::vector<long long> integers(std::size_t at, std::size_t count) const {
-    std::vector<long long> values;
-    for (std::size_t k = 0; k < count; ++k) {
-      const auto value = fortran_integer(columns(line(at), 10 * k, 10));
-      if (!value) fail(at, fmt::format("field {} is no whole number", k + 1));
-      values.push_back(*value);
-    }
-    return values;
-  }
-  [[nodiscard]] std::vector<double> reals(std::size_t at, std::size_t count) const {
-    std::vector<double> values;
-    for (std::size_t k = 0; k < count; ++k) {
-      const auto value = fortran_number(columns(line(at), 13 * k, 13));
-      if (!value) fail(at, fmt::format("field {} is no number", k + 1));
-      values.push_back(*value);
-    }
-    return values;
-  }
-  void read_nodes(std::size_t per_node, bool complex, NodeValues& values) const {
-    const std::size_t numbers = per_node * (complex ? 2 : 1);
-    const std::size_t lines = (numbers + 5) / 6;
-    for (std::size_t at = 8; at < dataset_.lines.size(); at += 1 + lines) {
-      const int node = static_cast<int>(integers(at, 1)[0]);
-      std::vector<double> all;
-      for (std::size_t k = 0; k < lines; ++k) {
-        const auto some = reals(at + 1 + k, std::min<std::size_t>(6, numbers - 6 * k));
-        all.insert(all.end(), some.begin(), some.end());
-      }
-      for (std::size_t c = 0; c < per_node; ++c)
-        values[{node, static_cast<int>(c)}] =
-            complex ? Complex(all[2 * c], all[2 * c + 1]) : Complex(all[c], 0.0);
-    }
-  }
-
-  const UffLines& dataset_;
-  Notes& notes_;
-};
-
 /// Outputs for files without names: every node and direction in which a mode moves.
-std::vector<Channel> outputs_of(const std::vector<Mode>& modes) {
+std::vector<Channel> outputs_of(const std::vector<ModeDataset>& modes) {
   std::map<std::pair<int, int>, bool> moves;
   for (const auto& mode : modes)
     for (const auto& [place, value] : mode.values)
@@ -396,9 +338,16 @@ std::vector<Channel> outputs_of(const std::vector<Mode>& modes) {
 }
 
 /// φ and L of ψ, the largest of L being 1.
-void take_participation(const Mode& mode, const ModalPlaces& places, ModalResult& result) {
+void take_participation(ModeDataset mode, const ModalPlaces& places, ModalResult& result) {
   const auto count = static_cast<Eigen::Index>(places.inputs.size());
   result.participation = Eigen::VectorXcd::Zero(count);
+  if (mode.is_normal) {  // ψ of modal A = 1
+    if (!(mode.modal_mass > 0.0)) return result.participation.resize(0);
+    const auto scale = 1.0 / std::sqrt(std::complex(0.0, 2.0 * mode.pole.imag() * mode.modal_mass));
+    for (auto& [place, value] : mode.values) value *= scale;
+    result.shape *= scale;
+    result.modal_mass = 0.0;
+  }
   for (Eigen::Index i = 0; i < count; ++i) {
     const auto& place = places.inputs[static_cast<std::size_t>(i)];
     const auto at = mode.values.find({place.node, place.component});
@@ -409,12 +358,12 @@ void take_participation(const Mode& mode, const ModalPlaces& places, ModalResult
     result.participation.resize(0);
     return;
   }
-  const Complex scale = result.participation[largest];
+  const std::complex<double> scale = result.participation[largest];
   result.participation /= scale;
   result.shape *= scale;
 }
 
-ModalResults assembled(const std::vector<Mode>& modes, const RecordHeader& header,
+ModalResults assembled(const std::vector<ModeDataset>& modes, const RecordHeader& header,
                        std::size_t inputs, bool inputs_at_outputs) {
   ModalResults all{.title = header.title, .date = header.date, .outputs = header.channels};
   all.geometry = header.geometry;
@@ -442,14 +391,35 @@ ModalResults assembled(const std::vector<Mode>& modes, const RecordHeader& heade
   return all;
 }
 
+/// Datasets of one kind; those of finite-element programs repeat the modes that a file has in
+/// datasets 55 too.
+std::vector<ModeDataset> modes_of(const UffContents& contents, Notes& notes) {
+  std::vector<ModeDataset> modes, analyses;
+  for (const UffLines& dataset : contents.modes)
+    if (auto mode = read_mode(dataset, notes))
+      (dataset.number == uff_modes ? modes : analyses).push_back(std::move(*mode));
+  if (modes.empty() && analyses.empty())
+    notes.fail("the Universal File holds no modes (datasets 55 or 2414)");
+  if (modes.size() + analyses.size() < contents.modes.size())
+    notes.add(fmt::format("{} datasets 55 and 2414 that are no modes left out",
+                          contents.modes.size() - modes.size() - analyses.size()));
+  if (modes.empty()) return analyses;
+  if (!analyses.empty())
+    notes.add(fmt::format("modes of {} datasets 2414 left out: the file has datasets 55",
+                          analyses.size()));
+  return modes;
+}
+
 }  // namespace
 
-void write_modal_results(const std::string& path, const ModalResults& all) {
+void write_modal_results(const std::string& path, const ModalResults& all, ModalDataset dataset) {
   for (const auto& mode : all.modes)
     if (mode.shape.size() != static_cast<Eigen::Index>(all.outputs.size()))
       throw std::invalid_argument(fmt::format("modal results: a shape of {} numbers for {} outputs",
                                               mode.shape.size(), all.outputs.size()));
-  const auto places = places_for(all);
+  const bool analysis = dataset == ModalDataset::analysis;
+  auto places = places_for(all);
+  if (analysis && places.at_output.empty()) places.inputs.clear();  // no nodes without a place
   RecordHeader header;
   header.title = all.title;
   header.date = all.date;
@@ -463,21 +433,18 @@ void write_modal_results(const std::string& path, const ModalResults& all) {
                          places.at_output.empty() ? "apart" : at_outputs);
   }
   std::string text = uff_beginning(all.title, all.date, comment_lines(header) + inputs) +
-                     uff_geometry_text(all.geometry);
-  for (std::size_t r = 0; r < all.modes.size(); ++r) text += mode_text(all, r, places);
+                     (analysis ? uff_elements_text(all.geometry) : uff_geometry_text(all.geometry));
+  const auto masses = analysis ? modal_masses(all, places) : std::vector<double>{};
+  for (std::size_t r = 0; r < all.modes.size(); ++r)
+    text += analysis ? analysis_text(all, r, places, masses.empty() ? 0.0 : masses[r])
+                     : mode_text(all, r, places);
   base::write_file_whole(path, text);
 }
 
 ReadModalResultsResult read_modal_results(const std::string& path) {
   Notes notes(path);
   const UffContents contents = scan_uff(path, notes);
-  std::vector<Mode> modes;
-  for (const UffLines& dataset : contents.modes)
-    if (auto mode = ModeReader(dataset, notes).read()) modes.push_back(std::move(*mode));
-  if (modes.empty()) notes.fail("the Universal File holds no modes (dataset 55)");
-  if (modes.size() < contents.modes.size())
-    notes.add(fmt::format("{} datasets 55 that are no modes left out",
-                          contents.modes.size() - modes.size()));
+  const auto modes = modes_of(contents, notes);
   const RecordComments& own = contents.own;
   const std::string inputs = own.text_of(inputs_key);
   const auto count = fortran_integer(inputs.substr(0, inputs.find(' '))).value_or(0);

@@ -101,7 +101,7 @@ bool begins_as_rpc(std::string_view head) {
                  "holds frequency responses, no samples over time; `hydrapod identify` finds their "
                  "modes, `hydrapod frf` shows and converts them");
   if (kind == FileKind::modal_results)
-    base::refuse(path, "holds modes (dataset 55), no samples over time");
+    base::refuse(path, "holds modes (dataset 55 or 2414), no samples over time");
   base::refuse(path,
                "is JSON, no record; `hydrapod identify` reads the frequency responses of `hydrapod "
                "frf --format json`");

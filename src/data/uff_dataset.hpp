@@ -1,6 +1,6 @@
 #pragma once
-/// What a Universal File holds: datasets 58 and 58b (functions), 55 (modes), 250, 252 and 2453
-/// (matrices), 151 (header), 164 (units), 15, 2411 and 82 (geometry).
+/// What a Universal File holds: datasets 58 and 58b (functions), 55 and 2414 (modes), 250, 252 and 2453
+/// (matrices), 151 (header), 164 (units), 15, 2411, 2412 and 82 (geometry).
 ///
 /// Layouts: Structural Dynamics Research Laboratory, University of Cincinnati, "Universal File
 /// Formats for Modal Analysis Testing", datasets 58, 151 and 164 and "The Binary 58 Universal File
@@ -22,6 +22,8 @@
 namespace hydrapod::data {
 
 inline constexpr int uff_own_dataset = 99001;  ///< header of a record as hydrapod's comment lines
+
+inline constexpr int uff_modes = 55, uff_analysis = 2414;
 
 inline constexpr int uff_header_lines = 11;  ///< of dataset 58
 inline constexpr double uff_missing = std::numeric_limits<double>::quiet_NaN();
@@ -85,8 +87,9 @@ struct UffFunction {
   std::uint64_t count{};  ///< values that are really there
 };
 
-/// Dataset 55 (a mode) or one of a matrix, line by line, without its number.
+/// Dataset 55 or 2414 (a mode) or one of a matrix, line by line, without its number.
 struct UffLines {
+  int number{};
   std::vector<std::string> lines{};
   unsigned line{};  ///< of the first one in the file; 0 where binary data stand before it
   std::optional<UffUnits> units{};

@@ -15,6 +15,8 @@ namespace {
 
 constexpr std::size_t most_nodes = 1'000'000;
 
+constexpr int rod = 11, first_beam = 21, last_beam = 24;  // of dataset 2412, with a record more
+
 struct KnownUnits {
   int code;
   double length, force;  ///< units of the file in a metre, in a newton
@@ -166,6 +168,45 @@ TraceLine read_uff_trace_line(const UffNextLine& next) {
   if (count >= 0 && trace.nodes.size() > static_cast<std::size_t>(count))
     trace.nodes.resize(static_cast<std::size_t>(count));
   return trace;
+}
+
+TraceLine read_uff_rods(const UffNextLine& next) {
+  TraceLine rods;
+  for (std::string_view line; next(line);) {
+    if (base::trimmed(line).empty()) continue;
+    const int kind = number_of(line, 10, "the kind of an element"),
+              nodes = number_of(line, 50, "the number of nodes of an element");
+    const bool is_rod = kind == rod || (kind >= first_beam && kind <= last_beam);
+    if (is_rod && !next(line)) throw Unusable{"it ends before the orientation of a beam"};
+    if (nodes < 1 || nodes > static_cast<int>(most_nodes))
+      throw Unusable{fmt::format("an element of {} nodes", nodes)};
+    for (int k = 0; k < nodes; ++k) {
+      const auto begin = static_cast<std::size_t>(k) % 8 * 10;
+      if (begin == 0 && !next(line)) throw Unusable{"it ends before the nodes of an element"};
+      if (is_rod) rods.nodes.push_back(number_of(line, begin, "the node of an element"));
+    }
+    if (is_rod) rods.nodes.push_back(0);
+    if (rods.nodes.size() > most_nodes)
+      throw Unusable{fmt::format("more than {} nodes in rods", most_nodes)};
+  }
+  return rods;
+}
+
+std::string uff_elements_text(const Geometry& geometry) {
+  if (geometry.nodes.empty()) return {};
+  std::string text = fmt::format("{}{:6}\n", uff_delimiter, uff_nodes_double);
+  for (const Node& node : geometry.nodes) text += node_text(node, true);
+  text += uff_delimiter;
+  std::string rods;
+  int number = 0;
+  for (const auto& line : geometry.lines)
+    for (std::size_t k = 1; k < line.nodes.size(); ++k)
+      if (line.nodes[k - 1] != 0 && line.nodes[k] != 0)
+        rods += fmt::format("{:10}{:10}{:10}{:10}{:10}{:10}\n{:10}{:10}{:10}\n{:10}{:10}\n",
+                            ++number, rod, 1, 1, 7, 2, 0, 1, 1, line.nodes[k - 1], line.nodes[k]);
+  if (!rods.empty())
+    text += fmt::format("{}{:6}\n", uff_delimiter, uff_elements) + rods + uff_delimiter;
+  return text;
 }
 
 std::string uff_geometry_text(const Geometry& geometry) {

@@ -132,7 +132,8 @@ std::vector<MatrixDataset> read_matrix_datasets(const std::string& path) {
   const UffContents contents = scan_uff(path, notes, true);
   if (contents.matrices.empty() && contents.modes.empty())
     notes.fail(
-        "the Universal File holds neither matrices (datasets 252 and 2453) nor modes (dataset 55)");
+        "the Universal File holds neither matrices (datasets 252 and 2453) nor modes (dataset 55 "
+        "or 2414)");
   std::vector<MatrixDataset> all;
   std::set<int> taken;
   for (const UffLines& dataset : contents.matrices) {

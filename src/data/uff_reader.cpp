@@ -84,7 +84,7 @@ class UffReader final : public RecordReader {
                       "the record",
                       others, others == 1 ? " that is none" : "s that are none"));
     if (!contents_.modes.empty())
-      notes_.add(fmt::format("modes (dataset 55, {} times) left out of the record",
+      notes_.add(fmt::format("modes (datasets 55 and 2414, {} times) left out of the record",
                              contents_.modes.size()));
     if (chosen_.empty())
       notes_.fail("the Universal File holds no function over time that can be read");

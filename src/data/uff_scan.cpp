@@ -79,8 +79,8 @@ class Scan {
                                    base::printable(columns(head, 0, 6)))};
       if (*number == 58)
         function(head, is_binary_);
-      else if (*number == 55)
-        take_lines(contents_.modes);
+      else if (*number == uff_modes || *number == uff_analysis)
+        take_lines(static_cast<int>(*number), contents_.modes);
       else if (matrix && with_matrices_)
         take_matrix(*number);
       else if (*number == 151)
@@ -89,6 +89,8 @@ class Scan {
         units_ = read_uff_units(next_line(), notes_);
       else if (*number == uff_nodes || *number == uff_nodes_double)
         nodes(*number == uff_nodes_double);
+      else if (*number == uff_elements)
+        take_elements();
       else if (*number == uff_trace_line)
         contents_.geometry.lines.push_back(read_uff_trace_line(next_line()));
       else if (*number == uff_own_dataset)
@@ -295,9 +297,10 @@ class Scan {
     f.count = std::min<std::uint64_t>(f.declared, numbers / tuple_size(f));
   }
 
-  void take_lines(std::vector<UffLines>& all) {
+  void take_lines(int number, std::vector<UffLines>& all) {
     constexpr std::size_t most_lines = 2'000'000;
     UffLines& dataset = all.emplace_back();
+    dataset.number = number;
     dataset.line = count_lines_ ? line_ + 1 : 0;
     dataset.units = units_;
     for (std::string_view line; next_inside(line);) {
@@ -312,7 +315,7 @@ class Scan {
       notes_.fail(fmt::format("dataset {} is a binary matrix ({}b), expected the text format ({})",
                               datasets_, number, number),
                   first_line_);
-    take_lines(contents_.matrices);
+    take_lines(static_cast<int>(number), contents_.matrices);
   }
 
   void file_header() {
@@ -329,6 +332,12 @@ class Scan {
 
   /// What is there of nodes before something is wrong is kept.
   void nodes(bool in_double) { read_uff_nodes(next_line(), in_double, contents_.geometry.nodes); }
+
+  /// Rods and beams are lines; the form of other elements is not kept.
+  void take_elements() {
+    auto rods = read_uff_rods(next_line());
+    if (!rods.nodes.empty()) contents_.geometry.lines.push_back(std::move(rods));
+  }
 
   /// Lengths of nodes in metres, and the units of functions and modes that stood before the first
   /// dataset 164.

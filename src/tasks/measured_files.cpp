@@ -47,10 +47,10 @@ report::Json parsed_json(const std::string& path, const std::vector<std::string>
 
 void refuse_modal_results(const std::string& path) {
   if (data::file_kind(path) == data::FileKind::modal_results)
-    base::refuse(
-        path,
-        "holds modes (dataset 55) without their uncertainties; JSON or CSV of `hydrapod identify` "
-        "has them");
+    base::refuse(path,
+                 "holds modes (dataset 55 or 2414) without their uncertainties; JSON or CSV of "
+                 "`hydrapod identify` "
+                 "has them");
 }
 
 Measured responses_from(const report::Json& json, const std::string& path) {

@@ -20,8 +20,14 @@
 /// φ_o L_i by more than 2 % (no reciprocal system), stand at nodes of their own behind the outputs,
 /// where ψ_i = L_i; the last line of text of each mode names the nodes.
 ///
+/// Dataset 2414 is what finite-element programs keep modes in: shapes beside nodes (2411) and rods
+/// (2412) along the trace lines. Where all shapes are real and forces act where outputs measure
+/// they are normal modes with modal mass and damping ratio, else complex ones as in dataset 55.
+/// Inputs that have no place at an output are left out.
+///
 /// Layout: Structural Dynamics Research Laboratory, University of Cincinnati, "Universal File
-/// Formats for Modal Analysis Testing", dataset 55. Numbers are E13.5: six digits.
+/// Formats for Modal Analysis Testing", datasets 55, 2411, 2412 and 2414. Numbers are E13.5: six
+/// digits.
 ///
 /// Named columns of numbers in one HDF5 file: the results of a study.
 ///
@@ -88,16 +94,19 @@ double mac(const Eigen::VectorXcd& a, const Eigen::VectorXcd& b);
 double modal_phase_collinearity(const Eigen::VectorXcd& shape);
 double mean_phase_deviation(const Eigen::VectorXcd& shape);
 
+enum class ModalDataset { shapes = 55, analysis = 2414 };
+
 /// Written whole or not at all. Throws std::invalid_argument for shapes of another size than
 /// outputs, else as base::write_file_whole.
-void write_modal_results(const std::string& path, const ModalResults& results);
+void write_modal_results(const std::string& path, const ModalResults& results,
+                         ModalDataset dataset = ModalDataset::shapes);
 
 struct ReadModalResultsResult {
   ModalResults results{};
   std::vector<base::Diagnostic> notes{};
 };
 
-/// Datasets 55 of normal modes (analysis type 2, with their viscous damping) and complex
+/// Datasets 55 and 2414 of normal modes (analysis type 2, with their viscous damping) and complex
 /// eigenvalues (3, 7), real or complex, three or six values per node. Lengths become metres by
 /// dataset 164, and shapes of speeds or accelerations displacements. Throws base::InputError.
 ReadModalResultsResult read_modal_results(const std::string& path);

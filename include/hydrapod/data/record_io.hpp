@@ -103,7 +103,7 @@ struct ReadOptions {
 enum class FileKind {
   record,
   frequency_responses,  ///< Universal File with functions of type 4, a table of text, or arrays
-  modal_results,        ///< Universal File with modes (dataset 55) and no function
+  modal_results,        ///< Universal File with modes (55, 2414) and no function
   mode_table,           ///< CSV with a column of frequencies and none of times
   json,
   toml
