@@ -120,7 +120,7 @@ void add_attach(Command app) {
        {"--uff",
         arguments.uff,
         "Universal File with matrices of a superelement (dataset 252 or 2453), or with normal "
-        "modes of structure and free platform (dataset 55)",
+        "modes of structure and free platform (dataset 55 or 2414)",
         {.file = FileUse::input}},
        {"--grid", arguments.grid,
         "Grid point of a punch file, or node of the modes in a Universal File, that is the "

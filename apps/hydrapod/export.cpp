@@ -14,7 +14,7 @@ struct Arguments {
   std::string to{}, system{}, inputs{}, outputs{}, point{}, sample_time{}, output{};
   std::optional<int> pade{};
   int leg_modes{-1}, reduce{};
-  bool sampled{}, approximate{};
+  bool sampled{}, free_base{}, approximate{};
 };
 
 std::vector<std::string> names(const std::string& text) {
@@ -65,6 +65,8 @@ void refuse_idle_options(const Arguments& arguments, tasks::ExportFormat format)
                  "--sampled");
   if (arguments.leg_modes >= 0 && !superelement)
     base::refuse("--leg-modes", to + " has no meaning: it is for superelements (mtx, dmig)");
+  if (arguments.free_base && !superelement)
+    base::refuse("--free-base", to + " has no meaning: it is for superelements (mtx, dmig)");
   if (arguments.reduce != 0 && arguments.sampled)
     base::refuse("--reduce", "is for continuous systems; leave --sampled out");
   if (arguments.sampled && arguments.system != "loop")
@@ -104,6 +106,7 @@ tasks::ExportOptions options_of(const Arguments& arguments) {
   if (!arguments.point.empty()) options.p_PQ = point("--point", arguments.point);
   options.reduced_states = arguments.reduce;
   options.leg_modes = arguments.leg_modes;
+  options.base = arguments.free_base;
   options.approximate = arguments.approximate;
   return options;
 }
@@ -131,7 +134,10 @@ void add_export(Command app) {
        {"export machine.toml --to npz --sample-time \"1 ms\" --outputs x,y,z -o xyz.npz",
         "discretised, three outputs"},
        {"export machine.toml --to dmig -o machine.pch", "superelement for Nastran"},
+       {"export machine.toml --to dmig --free-base -o machine.pch",
+        "the same, to be put onto the structure of a foundation"},
        {"export machine.toml --to uff -o modes.uff", "modes for programs of modal analysis"},
+       {"export machine.toml --to unv -o modes.unv", "modes for finite-element programs"},
        {"export machine.toml --to mjcf -o machine.xml", "multibody model for MuJoCo"},
        {"export machine.toml --to fmu2 -o machine.fmu",
         "nonlinear plant for simulators with FMI"}});
@@ -139,7 +145,8 @@ void add_export(Command app) {
   add_subject_options(command, arguments.machine);
   command.add_options(
       {{"--to", arguments.to,
-        "State space: mat, npz, json, hdf5; modes: uff; superelement: mtx, dmig; multibody: mjcf, "
+        "State space: mat, npz, json, hdf5; modes: uff, unv; superelement: mtx, dmig; multibody: "
+        "mjcf, "
         "sdf, urdf; nonlinear plant: fmu2, fmu3",
         required},
        {"--system", arguments.system,
@@ -161,6 +168,10 @@ void add_export(Command app) {
         "Interface on the platform, \"x,y,z\" in its frame; default: its mass centre"},
        {"--leg-modes", arguments.leg_modes,
         "Modes of the legs that a superelement keeps; default: all", range(-1, 1000)},
+       {"--free-base", arguments.free_base,
+        "A superelement to be joined at the base too: its six directions are coordinates, its "
+        "mount "
+        "and mass are left out"},
        {"--approximate", arguments.approximate,
         "Write also what the format cannot hold in full; the report lists it"},
        {"-o,--output", arguments.output, "File to write", required}});

@@ -12,7 +12,7 @@ from ._machine import Machine, Quantity
 from ._records import Path
 from ._tasks import _core_of, _point
 
-_formats = {"mat": "mat", "npz": "npz", "json": "json", "h5": "hdf5", "hdf5": "hdf5", "uff": "uff", "unv": "uff",
+_formats = {"mat": "mat", "npz": "npz", "json": "json", "h5": "hdf5", "hdf5": "hdf5", "uff": "uff", "unv": "unv",
             "mtx": "mtx", "pch": "dmig", "xml": "mjcf", "mjcf": "mjcf", "sdf": "sdf", "urdf": "urdf"}
 
 
@@ -48,12 +48,12 @@ def export(machine: Machine, path: Path, *, to: Optional[str] = None, system: Op
            sample_time: Optional[Quantity] = None, sampled: bool = False, pade_order: int = 2,
            inputs: Optional[Texts] = None, outputs: Optional[Texts] = None,
            point: Optional[Sequence[Quantity]] = None, reduce: Optional[int] = None,
-           leg_modes: Optional[int] = None, approximate: bool = False) -> Export:
+           leg_modes: Optional[int] = None, free_base: bool = False, approximate: bool = False) -> Export:
     """Writes the machine as a file for another program.
 
-    path: file to write. to: mat, npz, json, hdf5 (state space), uff (modes), mtx, dmig (superelement), mjcf, sdf,
-    urdf (multibody), fmu2, fmu3 (functional mock-up unit); default: by the ending. system: default mechanics for a
-    state space, plant for an FMU. Other options: see machine_state_space() and superelement(). approximate: write
+    path: file to write. to: mat, npz, json, hdf5 (state space), uff, unv (modes), mtx, dmig (superelement), mjcf,
+    sdf, urdf (multibody), fmu2, fmu3 (functional mock-up unit); default: by the ending. system: default mechanics for
+    a state space, plant for an FMU. Other options: see machine_state_space() and superelement(). approximate: write
     also what the format holds only in part. Raises InputError where a format cannot hold the machine; nothing is
     written then. Source: docs/howto/exchange.md. C++: tasks::export_machine in hydrapod/tasks/linear.hpp.
     """
@@ -67,7 +67,8 @@ def export(machine: Machine, path: Path, *, to: Optional[str] = None, system: Op
     _checks.word(to, "to")
     options = _system(system, sample_time, sampled, pade_order, inputs, outputs, point, reduce)
     files, parity = _core.export_machine(_core_of(machine), {
-        **options, **_checks.options(path=name, to=to, leg_modes=leg_modes, approximate=approximate)})
+        **options, **_checks.options(path=name, to=to, leg_modes=leg_modes, approximate=approximate,
+                                     free_base=_checks.flag(free_base, "free_base"))})
     return Export(files, [ParityLine(*line) for line in parity])
 
 
@@ -94,15 +95,17 @@ def machine_state_space(machine: Machine, *, system: str = "mechanics", sample_t
 
 
 def superelement(machine: Machine, *, leg_modes: Optional[int] = None,
-                 point: Optional[Sequence[Quantity]] = None) -> Superelement:
+                 point: Optional[Sequence[Quantity]] = None, free_base: bool = False) -> Superelement:
     """M, K, C by Craig and Bampton: the platform's six coordinates at the point, then modes of the legs.
 
-    leg_modes: how many are kept, the lowest; default: all, which is exact. Result: M, K, C (n, n) [SI],
-    coordinates, units, first_left_out [rad/s] (0: all modes are kept).
+    leg_modes: how many are kept, the lowest; default: all, which is exact. free_base: the base's six directions are
+    coordinates behind those of the platform, without its mount and mass. Result: M, K, C (n, n) [SI], coordinates,
+    units, first_left_out [rad/s] (0: all modes are kept).
     Raises InputError for more modes than the legs have. Source: docs/howto/exchange.md.
     """
     return _core.superelement(_core_of(machine), _checks.options(
-        leg_modes=leg_modes, point=None if point is None else _point(point)))
+        leg_modes=leg_modes, point=None if point is None else _point(point),
+        free_base=_checks.flag(free_base, "free_base")))
 
 
 class MultibodyText(NamedTuple):

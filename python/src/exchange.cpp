@@ -65,6 +65,9 @@ void refuse_idle(const Options& asked, tasks::ExportFormat format) {
   if (asked.has("leg_modes") && format != tasks::ExportFormat::matrix_market &&
       format != tasks::ExportFormat::dmig)
     base::refuse("leg_modes", "has no meaning here: it is for superelements (mtx, dmig)");
+  if (asked.get("free_base", false) && format != tasks::ExportFormat::matrix_market &&
+      format != tasks::ExportFormat::dmig)
+    base::refuse("free_base", "has no meaning here: it is for superelements (mtx, dmig)");
 }
 
 py::list parity_of(const exchange::Parity& parity) {
@@ -91,6 +94,7 @@ py::tuple export_machine(const Machine& machine, const Options& asked) {
   options.p_PQ = point_of(asked);
   options.reduced_states = reduced_states(asked);
   options.leg_modes = asked.get("leg_modes", -1);
+  options.base = asked.get("free_base", false);
   options.approximate = asked.get("approximate", false);
   options.json_head = head_of_model("state_space", *machine);
   const auto done = without_gil([&] { return tasks::export_machine(*machine, options); });
@@ -145,7 +149,8 @@ std::shared_ptr<Superelement> superelement(const Machine& machine, const Options
   const exchange::SuperelementOptions options{
       .kind = machine->kind,
       .p_PQ = point_of(asked).value_or(machine->file.machine.platform.mass_center),
-      .leg_modes = asked.get("leg_modes", -1)};
+      .leg_modes = asked.get("leg_modes", -1),
+      .base = asked.get("free_base", false)};
   return without_gil([&] {
     return std::make_shared<Superelement>(
         Superelement{exchange::superelement(machine->file.machine, machine->pose.X_BP, options)});

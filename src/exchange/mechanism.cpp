@@ -406,6 +406,7 @@ MultibodyFile multibody_file(const Machine& of_file, const Pose& X_BP, dynamics:
   if (kind != dynamics::ModelKind::rigid)
     parity.push_back({Held::approximate, "seals, large motions",
                       "the hinges keep the stiffness that they have at this pose"});
+  parity.push_back(held_motion(of_file, parts, coupled, kind));
   switch (format) {
     case MultibodyFormat::mjcf:
       if (!struts)

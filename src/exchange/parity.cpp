@@ -5,6 +5,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/exchange/exchange.hpp"
@@ -68,10 +69,16 @@ double growth(const StateSpace& system) {
   return largest > rounding * poles.cwiseAbs().maxCoeff() ? largest : 0.0;
 }
 
-/// Of M q̈ + K q = 0.
+/// Of M q̈ + K q = 0; a free base is held.
 double growth(const Superelement& element) {
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(element.K, element.M,
-                                                                         Eigen::EigenvaluesOnly);
+  std::vector<Eigen::Index> held(static_cast<std::size_t>(element.M.rows()));
+  std::iota(held.begin(), held.end(), Eigen::Index{0});
+  if (element.is_base_free) {
+    const auto base = held.begin() + element.platform;
+    held.erase(base, base + static_cast<std::ptrdiff_t>(element.base_directions.size()));
+  }
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(
+      element.K(held, held), element.M(held, held), Eigen::EigenvaluesOnly);
   const double least = solver.eigenvalues()[0];
   return least < 0.0 ? std::sqrt(-least) : 0.0;
 }
@@ -117,9 +124,10 @@ Parity state_space_parity(const StateSpace& system) {
 }
 
 Parity modal_model_parity(dynamics::ModelKind kind) {
-  Parity parity{{Held::approximate, "frequencies, damping ratios, shapes, modal masses",
-                 "six digits (E13.5), as dataset 55 writes them"},
-                {Held::exact, "geometry", "joints of platform and base as nodes, legs as lines"}};
+  Parity parity{
+      {Held::approximate, "frequencies, damping ratios, shapes, modal masses",
+       "six digits (E13.5), as Universal Files have them"},
+      {Held::exact, "geometry", "joints of platform and base as nodes, legs as lines or rods"}};
   if (kind != dynamics::ModelKind::rigid)
     parity.push_back({Held::approximate, "shapes of the legs",
                       "motion of the platform only; rod tilt and piston offset have no node"});
@@ -136,7 +144,20 @@ Parity superelement_parity(const Machine& machine, const Superelement& element, 
     parity.push_back({Held::approximate, "modes of the legs",
                       fmt::format("those from {:.4g} Hz on, with the interface held, are left out",
                                   element.first_left_out / base::two_pi)});
-  if (machine.base_mount && element.base_directions.empty())
+  if (element.is_base_free) {
+    parity.push_back(
+        {Held::exact, "free base",
+         "its six directions at its origin are coordinates; add its mass and its mount"});
+    if (!machine.gravity.isZero(0.0))
+      parity.push_back({Held::approximate, "weight on a base that tilts",
+                        "the moment of the weight against the mount is left out"});
+    if (model::modal_ratio(machine).value > 0.0)
+      parity.push_back({Held::approximate, "damping ratio of every mode",
+                        "dampers against the base, exact where it stands still"});
+  } else if (!machine.base_mount) {
+    parity.push_back({Held::exact, "base", "stands still"});
+  }
+  if (!element.is_base_free && machine.base_mount && element.base_directions.empty())
     parity.push_back({Held::exact, "base",
                       "its mount is in series with the legs: neither they nor the base have "
                       "inertia"});

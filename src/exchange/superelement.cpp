@@ -70,6 +70,59 @@ std::string grid(int number, const Vector3& p) {
                      large_field(p.y()), large_field(p.z()));
 }
 
+/// Coordinates: platform at Q, legs, base, payload.
+struct Matrices {
+  MatrixXd M{}, K{}, C{};
+  std::vector<int> base_directions{};
+  std::vector<std::string> payload{};
+  Vector3 p_BQ{};
+};
+
+Matrices on_its_base(const Machine& machine, const Pose& X_BP, const SuperelementOptions& options) {
+  const auto linear = dynamics::linear_model(machine, X_BP, options.kind);
+  const auto at_Q = response::response_model(linear, modal::normal_modes(linear),
+                                             model::modal_ratio(machine).value, options.p_PQ);
+  return {at_Q.M,
+          at_Q.K,
+          response::damping_matrix(at_Q),
+          linear.base_directions,
+          linear.payload_names,
+          at_Q.p_BQ};
+}
+
+/// Springs and dampers act on the motion against the base, y − T q_b. M is that of a base with a
+/// mass, less that mass.
+Matrices on_a_free_base(Machine machine, const Pose& X_BP, const SuperelementOptions& options) {
+  machine.base_mount.reset();
+  const auto still = on_its_base(machine, X_BP, options);
+  auto& mount = machine.base_mount.emplace();
+  mount.stiffness.fill(0.0);
+  mount.mass = 1.0;
+  mount.inertia.setOnes();
+  const auto linear = dynamics::linear_model(machine, X_BP, options.kind);
+  const Index n = linear.dof(), first = linear.first_of_base();
+  const auto moved = [](const Vector3& arm) {  // by a rotation about a point at −arm
+    spatial::Matrix6 T = spatial::Matrix6::Identity();
+    T.topRightCorner<3, 3>() = spatial::skew(arm);
+    return T;
+  };
+  MatrixXd at_C = MatrixXd::Identity(n, n);  // motion of C per motion of Q
+  at_C.topLeftCorner<6, 6>() = moved(still.p_BQ - linear.p_BC);
+  MatrixXd M = linear.M;
+  M.diagonal().segment(first, 6).array() -= 1.0;
+  MatrixXd against_base = MatrixXd::Zero(n - 6, n);
+  against_base.leftCols(first).setIdentity();
+  against_base.block(0, first, 6, 6) = -moved(-still.p_BQ);
+  const Index payload = linear.payload_count();
+  against_base.bottomRightCorner(payload, payload).setIdentity();
+  return {at_C.transpose() * M * at_C,
+          against_base.transpose() * still.K * against_base,
+          against_base.transpose() * still.C * against_base,
+          {0, 1, 2, 3, 4, 5},
+          still.payload,
+          still.p_BQ};
+}
+
 }  // namespace
 
 Superelement superelement(const Machine& machine, const Pose& X_BP,
@@ -85,12 +138,11 @@ Superelement superelement(const Machine& machine, const Pose& X_BP,
         "of a seal is a spring that depends on frequency: a superelement holds M, K and C, "
         "and its dampers in series need states; expected a state space (--to mat, npz, "
         "json or hdf5), or a machine file without `elastomer`");
-  const auto linear = dynamics::linear_model(machine, X_BP, options.kind);
-  const auto modes = modal::normal_modes(linear);
-  const auto moved =
-      response::response_model(linear, modes, model::modal_ratio(machine).value, options.p_PQ);
-  const Index n = linear.dof(), beyond = linear.beyond_legs(), legs = n - 6 - beyond,
-              held = 6 + beyond;
+  const auto at_Q =
+      options.base ? on_a_free_base(machine, X_BP, options) : on_its_base(machine, X_BP, options);
+  const Index n = at_Q.M.rows(),
+              beyond = static_cast<Index>(at_Q.base_directions.size() + at_Q.payload.size()),
+              legs = n - 6 - beyond, held = 6 + beyond;
   const Index kept = options.leg_modes < 0 ? legs : options.leg_modes;
   if (kept > legs)
     base::refuse(
@@ -100,11 +152,11 @@ Superelement superelement(const Machine& machine, const Pose& X_BP,
   for (Index i = 0; i < 6; ++i) order.push_back(i);
   for (Index i = n - beyond; i < n; ++i) order.push_back(i);
   for (Index i = 6; i < n - beyond; ++i) order.push_back(i);
-  const MatrixXd M = MatrixXd(moved.M)(order, order), K = MatrixXd(moved.K)(order, order),
-                 C = MatrixXd(response::damping_matrix(moved))(order, order);
+  const MatrixXd M = at_Q.M(order, order), K = at_Q.K(order, order), C = at_Q.C(order, order);
   MatrixXd T = MatrixXd::Zero(n, held + kept);
   T.topLeftCorner(held, held).setIdentity();
-  Superelement element{.base_directions = linear.base_directions, .p_BQ = moved.p_BQ};
+  Superelement element{
+      .base_directions = at_Q.base_directions, .p_BQ = at_Q.p_BQ, .is_base_free = options.base};
   if (legs > 0) {
     const MatrixXd K_ff = K.bottomRightCorner(legs, legs);
     const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> solver(
@@ -122,11 +174,11 @@ Superelement superelement(const Machine& machine, const Pose& X_BP,
   element.C = reduced(C);
   for (std::size_t i = 0; i < 6; ++i)
     element.coordinates.push_back({spatial::direction_names[i], i < 3 ? "m" : "rad", 0.0});
-  for (const int d : linear.base_directions)
+  for (const int d : at_Q.base_directions)
     element.coordinates.push_back(
         {std::string("base.") + spatial::direction_names[static_cast<std::size_t>(d)],
          d < 3 ? "m" : "rad", 0.0});
-  for (const auto& mode : linear.payload_names)
+  for (const auto& mode : at_Q.payload)
     element.coordinates.push_back({"payload." + mode, "m sqrt(kg)", 0.0});
   for (Index k = 1; k <= kept; ++k)
     element.coordinates.push_back({fmt::format("leg mode {}", k), "m sqrt(kg)", 0.0});

@@ -164,7 +164,7 @@ PayloadElement of_free_modes(const std::string& path, const data::ModalResults& 
     if (!(mode.modal_mass > 0.0))
       refuse(path, 0,
              fmt::format("mode {} ({:.4g} Hz) has no modal mass, expected normal modes (dataset "
-                         "55, analysis type 2) of displacements with their modal masses",
+                         "55 or 2414, analysis type 2) of displacements with their modal masses",
                          k + 1, mode.omega() / base::two_pi));
     shapes.col(k) /= std::sqrt(mode.modal_mass);
     omega2[k] = std::norm(mode.pole);

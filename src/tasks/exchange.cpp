@@ -26,18 +26,59 @@ spatial::Vector3 interface_point(const Machine& machine, const ExportOptions& op
   return options.p_PQ.value_or(machine.file.machine.platform.mass_center);
 }
 
+/// What can be run beside the file; a machine that cannot be computed so has its reason in its
+/// place.
+template <class Measure>
+exchange::Parity with_measured(exchange::Parity parity, const Measure& measure) {
+  try {
+    for (auto& line : measure()) parity.push_back(std::move(line));
+  } catch (const base::ComputationError& error) {
+    parity.push_back({exchange::Held::approximate, "not measured", error.what()});
+  }
+  return parity;
+}
+
+/// As they stand in the files.
+void read_matrices(const std::vector<std::string>& files, bool nastran,
+                   exchange::Superelement& held) {
+  if (nastran) {
+    const auto read = exchange::read_dmig_punch(files[0], exchange::dmig_platform);
+    held.M = read.M;
+    held.K = read.K;
+    held.C.setZero();
+    if (read.C.size() > 0) held.C = read.C;
+    return;
+  }
+  held.M = exchange::read_matrix_market(files[0]);
+  held.K = exchange::read_matrix_market(files[1]);
+  held.C = exchange::read_matrix_market(files[2]);
+}
+
+exchange::Parity export_modes(const Machine& machine, const ExportOptions& options) {
+  data::write_modal_results(options.path,
+                            exchange::modal_model(machine.file.machine, machine.pose.X_BP,
+                                                  machine.kind, export_head(machine)),
+                            options.format == ExportFormat::unv ? data::ModalDataset::analysis
+                                                                : data::ModalDataset::shapes);
+  return with_measured(exchange::modal_model_parity(machine.kind), [&] {
+    return exchange::measured_modes(machine.file.machine, machine.pose.X_BP, machine.kind,
+                                    data::read_modal_results(options.path).results);
+  });
+}
+
 exchange::Parity export_state_space(const Machine& machine, const ExportOptions& options) {
-  const auto system =
-      exchange::state_space(machine.file.machine, machine.pose.X_BP,
-                            {.system = options.system.value_or(exchange::SystemKind::mechanics),
-                             .kind = machine.kind,
-                             .p_PQ = interface_point(machine, options),
-                             .pade_order = options.pade_order,
-                             .sample_time = options.sample_time,
-                             .sampled_controller = options.sampled_controller,
-                             .inputs = options.inputs,
-                             .outputs = options.outputs,
-                             .reduced_states = options.reduced_states});
+  const exchange::StateSpaceOptions asked{
+      .system = options.system.value_or(exchange::SystemKind::mechanics),
+      .kind = machine.kind,
+      .p_PQ = interface_point(machine, options),
+      .pade_order = options.pade_order,
+      .sample_time = options.sample_time,
+      .sampled_controller = options.sampled_controller,
+      .inputs = options.inputs,
+      .outputs = options.outputs,
+      .reduced_states = options.reduced_states};
+  const auto& [of_file, X_BP] = std::tie(machine.file.machine, machine.pose.X_BP);
+  const auto system = exchange::state_space(of_file, X_BP, asked);
   const auto head = export_head(machine);
   if (options.format == ExportFormat::mat) {
     exchange::write_state_space_mat(options.path, system, head);
@@ -50,14 +91,17 @@ exchange::Parity export_state_space(const Machine& machine, const ExportOptions&
     json.update(exchange::state_space_json(system));
     base::write_file_whole(options.path, json.dump(1) + "\n");
   }
-  return exchange::state_space_parity(system);
+  return with_measured(exchange::state_space_parity(system), [&] {
+    return exchange::measured_state_space(of_file, X_BP, asked, system);
+  });
 }
 
 exchange::Parity export_superelement(const Machine& machine, const ExportOptions& options) {
-  const auto element = exchange::superelement(machine.file.machine, machine.pose.X_BP,
-                                              {.kind = machine.kind,
-                                               .p_PQ = interface_point(machine, options),
-                                               .leg_modes = options.leg_modes});
+  const exchange::SuperelementOptions asked{.kind = machine.kind,
+                                            .p_PQ = interface_point(machine, options),
+                                            .leg_modes = options.leg_modes,
+                                            .base = options.base};
+  const auto element = exchange::superelement(machine.file.machine, machine.pose.X_BP, asked);
   const auto head = export_head(machine);
   const bool nastran = options.format == ExportFormat::dmig;
   if (nastran) {
@@ -74,7 +118,11 @@ exchange::Parity export_superelement(const Machine& machine, const ExportOptions
                                             {head.title, fmt::format("{} in SI units", "MKC"[i]),
                                              "coordinates: " + coordinates}));
   }
-  return exchange::superelement_parity(machine.file.machine, element, nastran);
+  return with_measured(exchange::superelement_parity(machine.file.machine, element, nastran), [&] {
+    auto held = element;
+    read_matrices(export_files(options.format, options.path), nastran, held);
+    return exchange::measured_superelement(machine.file.machine, machine.pose.X_BP, asked, held);
+  });
 }
 
 void refuse_absent(const exchange::Parity& parity, const ExportOptions& options) {
@@ -149,10 +197,8 @@ Exported export_machine(const Machine& machine, const ExportOptions& options) {
       result.parity = export_state_space(machine, options);
       break;
     case ExportFormat::uff:
-      data::write_modal_results(
-          options.path, exchange::modal_model(machine.file.machine, machine.pose.X_BP, machine.kind,
-                                              export_head(machine)));
-      result.parity = exchange::modal_model_parity(machine.kind);
+    case ExportFormat::unv:
+      result.parity = export_modes(machine, options);
       break;
     case ExportFormat::matrix_market:
     case ExportFormat::dmig:

@@ -167,6 +167,37 @@ def frequencies(model, limit, *more):
     check(what + ": squares of frequencies", np.abs(theirs / ours - 1).max(), 2 * limit)
 
 
+def alone(xml, sdf):
+    """The MJCF with what SDF holds: springs of single joints, which have no inertia of their own."""
+    xml = re.sub(r"<fixed .*?</fixed>", "", xml, flags=re.S)
+    xml = re.sub(r"armature='[^']*'", "armature='0'", xml)
+    number = r"<spring_reference>([^<]*)</spring_reference><spring_stiffness>([^<]*)</spring_stiffness>"
+    for leg in range(1, 7):
+        for joint, hinges in (("s", ["s"]), ("tilt", ["tilt1", "tilt2"])):
+            text = re.search(f"<joint name='leg{leg}_{joint}'.*?</joint>", sdf, flags=re.S)[0]
+            for name, (reference, stiffness) in zip(hinges, re.findall(number, text), strict=True):
+                xml, found = re.subn(rf"(<joint name='leg{leg}.{name}'[^>]*?) stiffness='[^']*' springref='[^']*'",
+                                     rf"\1 stiffness='{stiffness}' springref='{reference}'", xml)
+                assert found == 1, name
+    return xml
+
+
+def single_springs(model, *more):
+    """What the export of SDF states of its six lowest frequencies."""
+    path = os.path.join(folder.name, "alone.sdf")
+    stated = subprocess.run([program, "export", model, "--to", "sdf", "-o", path, "--force", "--approximate", *more],
+                            capture_output=True, text=True).stdout
+    stated = float(re.search(r"six lowest frequencies, computed .*?within ([-+.e\d]+)", stated)[1])
+    manifold = Manifold(alone(open(export(model, "mjcf", *more)).read(), open(path).read()))
+    stem = export(model, "mtx", *more)[:-4]
+    K, M = (scipy.io.mmread(f"{stem}.{k}.mtx").toarray() for k in "KM")
+    ours = scipy.linalg.eigh(K, M, eigvals_only=True)[:6]
+    theirs = scipy.linalg.eigh(manifold.stiffness(), manifold.M, eigvals_only=True)[:6]
+    worst = np.abs(np.sqrt(theirs / ours) - 1).max()
+    check(f"{os.path.basename(model)}: springs of single joints lose {worst:.1e}, stated {stated:.1e}",
+          abs(stated - worst) / worst, 0.05)
+
+
 def free_motion(model, *more):
     """A platform that is let go with a small velocity; the linear model by its exponential."""
     xml = open(export(model, "mjcf", *more)).read()
@@ -240,6 +271,8 @@ frequencies(heavy, WITH_GRAVITY)
 frequencies(heavy, WITH_GRAVITY, "--set", "legs.guide_sleeve.gap=0.0002")  # the rods lie on their guide rings
 frequencies(heavy, WITH_GRAVITY, "--model", "full", "--set", "legs.piston_ring.stiffness=3.1e7", "--pose", pose(),
             *random_legs())
+single_springs(heavy)
+single_springs(heavy, "--pose", "x=150 mm, ry=4 deg")
 free_motion(published, "--set", "damping.modal_ratio=0")
 for number, (path, limit) in enumerate(random_models(50)):
     frequencies(path, limit)

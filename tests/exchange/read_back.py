@@ -277,6 +277,59 @@ def modal(model):
     check(f"{name}: dataset 55", np.abs(np.sort(np.abs(poles)) / expected - 1).max(), 2e-5)
 
 
+def analyses(model):
+    """Dataset 2414, card by card: normal modes whose sum is the response of bode."""
+    name = os.path.basename(model)
+    datasets, lines = [], None
+    for line in open(export(model, "unv"), encoding="utf-8").read().splitlines():
+        if line == "    -1":
+            if lines:
+                datasets.append(lines)
+            lines = None if lines is not None else []
+        elif lines is not None:
+            lines.append(line)
+    numbers = [int(d[0]) for d in datasets]
+    if not {164, 2411, 2412} <= set(numbers) or 55 in numbers:
+        failures.append(f"{name}: datasets {sorted(set(numbers))}")
+    rows = bode(model, 5.0, 400.0)
+    omega = np.array([float(row[1]) for row in rows[1:]])
+    H = np.zeros((len(omega), 6, 6), complex)
+    found = []
+    for d in (d for d in datasets if int(d[0]) == 2414):
+        kind = [int(d[9][10 * k:10 * k + 10]) for k in range(6)]
+        if kind != [1, 2, 3, 8, 2, 6] or int(d[3]) != 1:  # structural, normal mode, 6 values, displacement, real, at nodes
+            failures.append(f"{name}: record 9 of dataset 2414 is {kind}")
+        _, frequency, square, mass, damping, _ = (float(d[12][13 * k:13 * k + 13]) for k in range(6))
+        w = 2 * np.pi * frequency
+        check(f"{name}: eigenvalue of a mode", abs(square / w ** 2 - 1), 1e-4)
+        found.append(w)
+        at = next(k for k in range(14, len(d), 2) if int(d[k]) == 1)  # the mass centre
+        shape = np.array([float(d[at + 1][13 * k:13 * k + 13]) for k in range(6)])
+        H += np.outer(shape, shape) / (mass * (w ** 2 - omega ** 2 + 2j * damping * w * omega))[:, None, None]
+    check(f"{name}: dataset 2414", np.abs(np.sort(found) / damped_omega(model) - 1).max(), 2e-5)
+    table = np.array([[float(x) for x in row] for row in rows[1:]])
+    B = (table[:, 2:74:2] + 1j * table[:, 3:74:2]).reshape(-1, 6, 6)
+    size = np.sqrt(np.abs(np.einsum("kii->ki", B)).max(axis=0))
+    check(f"{name}: sum of the modes of dataset 2414", (np.abs(H - B) / np.outer(size, size)).max(), 1e-3)
+
+
+def free_base(model):
+    """Nothing holds it; with the base held it is the machine."""
+    name = os.path.basename(model)
+    for to in ("mtx", "dmig"):
+        path = export(model, to, "--free-base")
+        if to == "mtx":
+            M, K, C = (scipy.io.mmread(f"{path[:-4]}.{k}.mtx").toarray() for k in "MKC")
+        else:
+            punched = dmig(path)
+            M, K, C = punched["M2HYD"], punched["K2HYD"], punched["B2HYD"]
+        squares = scipy.linalg.eigh(K, M, eigvals_only=True)
+        check(f"{name}: {to}, six rigid modes", np.abs(squares[:6]).max() / squares[-1], 1e-9)
+        held = np.ix_(*2 * [[i for i in range(len(M)) if not 6 <= i < 12]])
+        omega = quadratic_omega(M[held], K[held], C[held])
+        check(f"{name}: {to}, base held", np.abs(omega / damped_omega(model) - 1).max(), 1e-8)
+
+
 def refusals(model):
     for arguments, words in (
             (["--to", "npy", "-o", "x.npy"], ["--to", "npz"]),
@@ -292,6 +345,7 @@ def refusals(model):
             (["--to", "npz", "--reduce", "4", "--system", "loop", "--sampled", "-o", "x.npz"], ["leave --sampled out"]),
             (["--to", "mjcf", "--reduce", "4", "-o", "x.xml"], ["--reduce", "state spaces"]),
             (["--to", "fmu2", "--inputs", "x", "-o", "x.fmu"], ["--inputs"]),
+            (["--to", "unv", "--free-base", "-o", "x.unv"], ["--free-base", "superelements"]),
             (["--to", "mjcf", "--point", "0,0,1", "-o", "x.xml"], ["--point 0,0,1", "with --to mjcf", "superelements"]),
             (["--to", "npz", "--system", "plant", "--point", "0,0,1", "-o", "x.npz"], ["with --system plant"]),
             (["--to", "npz", "--pade", "3", "-o", "x.npz"], ["--pade 3", "--system loop"]),
@@ -362,7 +416,7 @@ def random_machines(count):
         if parsed_sdf(export(path, "sdf", "--approximate")).get("links") != 19:
             failures.append(f"random machine {made}: SDF")
         urdf(path)
-        for to in ("mat", "json", "hdf5", "uff", "mjcf"):
+        for to in ("mat", "json", "hdf5", "uff", "unv", "mjcf"):
             export(path, to, "--approximate")
 
 
@@ -372,8 +426,10 @@ for model in (heavy, published):
     state_space(model)
     superelement(model)
     modal(model)
+    free_base(model)
     urdf(model)
     sdf(model)
+analyses(published)
 reduction(heavy)
 random_machines(12)
 actuators(heavy, ("plant", "--open-loop"), ("loop", "--system"))

@@ -37,7 +37,8 @@
 ///     y = [1 0; −K_ff⁻¹ K_fb Φ] (q_b, η)
 ///
 /// exact with all modes kept. Modes are left out from the highest down; ω of the first one that is
-/// left out is stated.
+/// left out is stated. With a free base its six coordinates, about its origin, are of the interface
+/// too: mount and mass of the base are left to the other program.
 ///
 /// Multibody files (MJCF, SDF, URDF): bodies, joints and closures of the mechanism at its rest, see
 /// src/exchange/mechanism.hpp. What a format holds exactly, approximately or not at all is a
@@ -131,7 +132,7 @@ void write_state_space_hdf5(const std::string& path, const StateSpace& system,
 /// The bytes of a NumPy archive: members A.npy, B.npy, …, stored without compression.
 std::string state_space_npz(const StateSpace& system, const FileHead& head);
 
-/// Modes as tables of shapes, for Universal File dataset 55.
+/// Modes as tables of shapes, for Universal Files.
 data::ModalResults modal_model(const Machine& machine, const Pose& X_BP, dynamics::ModelKind kind,
                                const FileHead& head);
 
@@ -142,12 +143,14 @@ struct Superelement {
   std::vector<int> base_directions{};  ///< then these of the base
   Vector3 p_BQ{Vector3::Zero()};       ///< where the platform's interface stands [m] in B
   double first_left_out{};             ///< [rad/s]; 0: all modes are kept
+  bool is_base_free{};                 ///< neither its mount nor its mass are in the matrices
 };
 
 struct SuperelementOptions {
   dynamics::ModelKind kind{dynamics::ModelKind::guide};
   Vector3 p_PQ{Vector3::Zero()};
   int leg_modes{-1};  ///< how many are kept, the lowest; −1: all
+  bool base{};        ///< the base is free, see above
 };
 
 /// Throws base::InputError for more modes than the legs have.
@@ -221,6 +224,15 @@ bool has_absent(const Parity& parity);
 Parity state_space_parity(const StateSpace& system);
 Parity modal_model_parity(dynamics::ModelKind kind);
 Parity superelement_parity(const Machine& machine, const Superelement& element, bool nastran);
+
+/// What was read back from a file, or what was written where nothing is lost, beside hydrapod's own
+/// modes and responses of the machine: lines with the largest differences.
+Parity measured_state_space(const Machine& machine, const Pose& X_BP,
+                            const StateSpaceOptions& options, const StateSpace& held);
+Parity measured_modes(const Machine& machine, const Pose& X_BP, dynamics::ModelKind kind,
+                      const data::ModalResults& held);
+Parity measured_superelement(const Machine& machine, const Pose& X_BP,
+                             const SuperelementOptions& options, const Superelement& held);
 
 /// A text and what it holds of the machine.
 struct MultibodyFile {

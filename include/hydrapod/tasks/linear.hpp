@@ -131,6 +131,7 @@ enum class ExportFormat {
   json,
   hdf5,
   uff,
+  unv,
   matrix_market,
   dmig,
   mjcf,
@@ -141,8 +142,9 @@ enum class ExportFormat {
 };
 
 /// Their words on the command line, in this order.
-inline constexpr std::array<std::string_view, 12> export_formats{
-    "mat", "npz", "json", "hdf5", "uff", "mtx", "dmig", "mjcf", "sdf", "urdf", "fmu2", "fmu3"};
+inline constexpr std::array<std::string_view, 13> export_formats{
+    "mat",  "npz",  "json", "hdf5", "uff",  "unv", "mtx",
+    "dmig", "mjcf", "sdf",  "urdf", "fmu2", "fmu3"};
 
 struct ExportOptions {
   ExportFormat format{};
@@ -156,6 +158,7 @@ struct ExportOptions {
   std::optional<spatial::Vector3> p_PQ{};        ///< default: the platform's mass centre
   int reduced_states{};                          ///< of a state space; 0: all
   int leg_modes{-1};                             ///< of a superelement; −1: all
+  bool base{};                                   ///< of a superelement: the base is free too
   bool approximate{};                            ///< write also what the format holds only in part
   /// Beginning of the JSON; null: none.
   report::Json json_head{};
