@@ -47,13 +47,18 @@ std::string mat5_array_head(std::uint32_t kind, const std::vector<int>& size,
          mat5_element(mat5_type::int32, sizes) + mat5_element(mat5_type::int8, name);
 }
 
+/// ASCII in words of 16 bits, as MATLAB writes it. Readers take words for characters of their own
+/// (SciPy of UTF-8), so that other texts are in UTF-8.
 std::string mat5_text(const std::string& name, const std::string& text) {
   const std::u16string units = utf16_from(text);
-  const std::string_view bytes(reinterpret_cast<const char*>(units.data()), 2 * units.size());
+  const bool ascii = units.size() == text.size();
+  const std::string_view words(reinterpret_cast<const char*>(units.data()), 2 * units.size());
+  const auto is_second = [](char16_t unit) { return unit >= 0xDC00 && unit < 0xE000; };
+  const auto characters = std::ssize(units) - std::ranges::count_if(units, is_second);
   return mat5_element(
       mat5_type::matrix,
-      mat5_array_head(mat5_class::character, {1, static_cast<int>(units.size())}, name) +
-          mat5_element(mat5_type::uint16, bytes));
+      mat5_array_head(mat5_class::character, {1, static_cast<int>(characters)}, name) +
+          (ascii ? mat5_element(mat5_type::uint16, words) : mat5_element(mat5_type::utf8, text)));
 }
 
 std::string mat5_text_list(const std::string& name, const std::vector<std::string>& texts) {

@@ -122,6 +122,33 @@ FmuMachine machine_of(const Machine& machine, const model::NamedPose& pose,
   return made;
 }
 
+/// The plant that the FMU makes of its numbers beside that of the machine, where all states are a
+/// little off their rest.
+ParityLine measured_equations(const std::string& numbers, const Machine& machine,
+                              const model::NamedPose& pose) {
+  const auto held = read_fmu_machine(numbers);
+  const simulation::Plant own(machine, held.kind, held.options(), pose.X_BP),
+      of_numbers(held.machine, held.kind, held.options(), held.reference());
+  const auto rest = own.equilibrium(pose.X_BP);
+  constexpr double a_little = 1e-3;
+  Eigen::VectorXd x = rest.x;
+  const auto scales = own.scales();
+  for (Eigen::Index k = 0; k < x.size(); ++k)
+    x[k] += (k % 2 == 0 ? a_little : -a_little) * scales[k];
+  Eigen::VectorXd expected(x.size()), found(x.size());
+  const bool both = own.derivative(0.0, x.data(), rest.input, expected.data()) &&
+                    of_numbers.derivative(0.0, x.data(), rest.input, found.data());
+  if (!both)
+    return {Held::approximate, "derivatives of all states", "not measured beside its rest"};
+  const double difference =
+      ((found - expected).array() / (expected.cwiseAbs() + scales).array()).abs().maxCoeff();
+  constexpr double exact_to = 1e-12;
+  return {
+      difference <= exact_to ? Held::exact : Held::approximate,
+      "derivatives of all states, measured",
+      fmt::format("from the numbers in the FMU, within {:.1e} of those of `simulate`", difference)};
+}
+
 }  // namespace
 
 Fmu fmu(const Machine& machine, const model::NamedPose& pose, const FmuOptions& options,
@@ -152,7 +179,8 @@ Fmu fmu(const Machine& machine, const model::NamedPose& pose, const FmuOptions& 
   add("modelDescription.xml", fmu_description(content));
   add(fmt::format("binaries/{}/{}.so", three ? "x86_64-linux" : "linux64", content.identifier),
       options.object);
-  add("resources/machine.json", fmu_machine_text(held));
+  const auto numbers = fmu_machine_text(held);
+  add("resources/machine.json", numbers);
   if (!options.sources.empty()) add("sources/buildDescription.xml", fmu_build_description(content));
   for (const auto& [name, text] : options.sources) add("sources/" + name, text);
   add("documentation/index.html", fmu_page(content));
@@ -166,7 +194,9 @@ Fmu fmu(const Machine& machine, const model::NamedPose& pose, const FmuOptions& 
         "suggestedScalingFactorTo_mm=\"0.1\"/>\n"
         "    <Icon x1=\"-100\" y1=\"-100\" x2=\"100\" y2=\"100\"/>\n"
         "  </GraphicalRepresentation>\n</fmiTerminalsAndIcons>\n");
-  return {zip.bytes(), parity_of(held, content.instability, !options.sources.empty())};
+  auto parity = parity_of(held, content.instability, !options.sources.empty());
+  parity.push_back(measured_equations(numbers, machine, pose));
+  return {zip.bytes(), std::move(parity)};
 }
 
 /// From the folder of what this code is in, upwards: a build folder has apps/fmu, an installation

@@ -1,6 +1,6 @@
 /// What a file holds, computed beside what hydrapod computes of the machine.
 ///
-/// Poles: each of hydrapod's against the nearest of the file's, |Δλ|/|λ|. Responses: over 60 lines
+/// Poles: each of hydrapod's against its partner in the file, |Δλ|/|λ|. Responses: over 60 lines
 /// from a third of the lowest to three times the highest frequency of the rigid model,
 /// |ΔH_ij|/√(max|H_ii| max|H_jj|). Motion: a constant push on the platform in all six directions,
 /// in the nonlinear simulation and in the file's equations, over five periods of the lowest mode.
@@ -86,11 +86,18 @@ std::vector<Complex> own_poles(const Own& own) {
   return poles;
 }
 
-/// Where there are any.
+/// The largest difference, each pole having a partner of its own.
 double farthest(const std::vector<Complex>& own, const Eigen::VectorXcd& held) {
+  if (std::ssize(own) > held.size()) return 1.0;
+  MatrixXd differences(std::ssize(own), held.size());
+  for (Index k = 0; k < differences.rows(); ++k) {
+    const Complex pole = own[static_cast<std::size_t>(k)];
+    differences.row(k) = (held.array() - pole).abs().min(1e3 * std::abs(pole)) / std::abs(pole);
+  }
+  const auto partners = numerics::assign(differences);
   double largest = 0.0;
-  for (const Complex pole : own)
-    largest = std::max(largest, (held.array() - pole).abs().minCoeff() / std::abs(pole));
+  for (std::size_t k = 0; k < partners.size(); ++k)
+    largest = std::max(largest, differences(static_cast<Index>(k), partners[k]));
   return largest;
 }
 

@@ -21,13 +21,13 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-const std::string published = test::source_file("models/zhang-jiang-2021.toml").string();
-const std::string heavy = test::source_file("models/heavy-platform.toml").string();
+const std::string published_file = test::source_file("models/zhang-jiang-2021.toml").string();
+const std::string heavy_file = test::source_file("models/heavy-platform.toml").string();
 
 class MachineCommand : public testing::TestWithParam<std::string> {
  protected:
   /// Runs the command on `file`, in a folder of its own.
-  test::RunResult run(const std::vector<std::string>& more, const std::string& file = heavy) {
+  test::RunResult run(const std::vector<std::string>& more, const std::string& file = heavy_file) {
     std::vector<std::string> arguments{GetParam(), file};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return run_hydrapod(arguments, {.folder = folder_.path()});
@@ -40,7 +40,7 @@ TEST_P(MachineCommand, SaysWhichMachineItsResultsAreOf) {
   const auto heavier = run({"--set", "platform.mass=14.1 t"});
   EXPECT_THAT(heavier.out, HasSubstr("\nmachine: nominal, with platform.mass=14.1 t\n"));
   const auto worn = (folder_ / "worn.toml").string();
-  test::write_text(worn, "state = \"with worn sleeves\"\n" + test::read_text(heavy));
+  test::write_text(worn, "state = \"with worn sleeves\"\n" + test::read_text(heavy_file));
   EXPECT_THAT(run({}, worn).out, HasSubstr("\nmachine: with worn sleeves\n"));
   const auto json = nlohmann::json::parse(run({"--format", "json"}, worn).out);
   EXPECT_EQ(json.at("machine").at("state"), "with worn sleeves");
@@ -168,7 +168,7 @@ std::string on_a_terminal(int columns, const std::string& call) {
 TEST(Terminal, GetsTablesThatFit) {
   if (on_a_terminal(80, "echo here").empty()) GTEST_SKIP() << "no pseudo terminals here";
   const std::string call = "env NO_COLOR=1 " + test::hydrapod_program().string() + " modes '" +
-                           published + "' --set platform.mass='900 kg'";
+                           published_file + "' --set platform.mass='900 kg'";
   const std::string narrow = on_a_terminal(80, call);
   EXPECT_THAT(narrow, AllOf(HasSubstr("mode      Hz    rad/s  damping"), HasSubstr("by --set"),
                             HasSubstr("\nmode  kinetic energy")));
@@ -182,7 +182,7 @@ TEST(Terminal, BriefFitsTwentyFourRows) {
   for (const char* command : {"modes", "check", "sensitivity", "diagnose"}) {
     std::istringstream text(
         on_a_terminal(80, fmt::format("env NO_COLOR=1 {} {} '{}' --brief --quiet",
-                                      test::hydrapod_program().string(), command, heavy)));
+                                      test::hydrapod_program().string(), command, heavy_file)));
     std::size_t rows = 0;
     for (std::string line; std::getline(text, line);) {
       std::erase(line, '\r');

@@ -66,16 +66,18 @@ TEST(Measured, StateSpaceOfTheMechanics) {
   EXPECT_LT(stated(of_reduced, "responses"), 0.3);
 }
 
-/// Small pushes move the simulated plant as the file says where there is no Coulomb friction.
+/// Small pushes move the simulated plant as the file says; large ones show what is not linear.
 TEST(Measured, MotionOfThePlantUnderAPush) {
   const auto machine = simulation::machine_of(
-      "heavy-platform", {"legs.friction.coulomb=0", "legs.friction.viscous=311"});
+      "heavy-platform", {"environment.gravity=0", "legs.friction.viscous=311"});
   const exchange::StateSpaceOptions options{.system = SystemKind::plant};
   const auto system = state_space(machine, machine.neutral(), options);
   const auto right = measured_state_space(machine, machine.neutral(), options, system);
   ASSERT_EQ(right.size(), 3U);
   EXPECT_LT(stated(right, "poles"), 1e-9);
   EXPECT_LT(stated(right, "motion under a push"), 1e-3);
+  EXPECT_EQ(right[1].held, Held::exact);
+  EXPECT_EQ(right[2].held, Held::approximate);
   auto wrong = system;
   wrong.A.bottomRows(wrong.A.rows() - 6) *= 1.02;
   EXPECT_GT(stated(measured_state_space(machine, machine.neutral(), options, wrong),
@@ -104,6 +106,19 @@ TEST(Measured, Superelement) {
     const auto few = superelement(machine, X_BP, options);
     EXPECT_GT(stated(measured_superelement(machine, X_BP, options, few), "six lowest frequencies"),
               0.0);
+  }
+}
+
+/// Of every number that the plant depends on, at a pose that is not the neutral one.
+TEST(Measured, EquationsOfAnFmu) {
+  for (const bool hydraulics : {false, true}) {
+    const auto machine = simulation::machine_of("heavy-platform", {"legs.friction.coulomb=173"});
+    const auto made =
+        exchange::fmu(machine, machine.poses[2],
+                      {.hydraulics = hydraulics, .object = "object", .notices = "none"}, {});
+    const double difference = stated(made.parity, "derivatives of all states");
+    EXPECT_GE(difference, 0.0);
+    EXPECT_LT(difference, 1e-12);
   }
 }
 
