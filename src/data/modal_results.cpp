@@ -220,7 +220,7 @@ std::string id_text(const ModalResults& all, std::size_t number, const ModalPlac
   const std::string frequency =
       fmt::format("mode {}: {:.6g} Hz, damping {:.4g} %", number + 1, mode.omega() / base::two_pi,
                   100.0 * mode.damping_ratio());
-  std::array<std::string, 5> id{all.title, frequency, uff_date(all.date), "identified by hydrapod",
+  std::array<std::string, 5> id{all.title, frequency, uff_date(all.date), "hydrapod",
                                 input_text(places)};
   put_id_lines(mode.id_lines, id);
   std::string text;

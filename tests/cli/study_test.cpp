@@ -374,7 +374,7 @@ TEST(Studies, EverySampleMakesAMotion) {
   EXPECT_THAT(whole.out, testing::AllOf(HasSubstr("motion: step z=1 mm, at=0.1; until 2.4 s"),
                                         HasSubstr("settling_z "), Not(HasSubstr("motions have"))))
       << whole.err;
-  EXPECT_THAT(from_file({"--until", "0.4"}).out,
+  EXPECT_THAT(from_file({"--until", "0.3"}).out,
               HasSubstr("2 of 2 motions have not settled in z at their end"));
   EXPECT_EQ(rows.count("settling_x [s]"), 0U);
 }
