@@ -4,6 +4,7 @@
 
 #include "hydrapod/calibration/calibrate.hpp"
 #include "hydrapod/kinematics/legs.hpp"
+#include "models.hpp"
 
 namespace {
 
@@ -27,7 +28,7 @@ const std::vector<std::vector<std::string>> parameters{
     {"legs.guide_sleeve.position"}};
 
 calibration::VariedMachine published(const char* gravity) {
-  const auto file = model::read_machine_file(HYDRAPOD_MODELS "/zhang-jiang-2021.toml",
+  const auto file = model::read_machine_file(model_file("zhang-jiang-2021.toml"),
                                              {std::string("environment.gravity=") + gravity},
                                              kinematics::check_machine);
   calibration::VariedMachine machine{.machine = file.machine};

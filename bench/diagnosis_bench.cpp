@@ -17,6 +17,7 @@
 #include "hydrapod/observation/targets.hpp"
 #include "hydrapod/report/measured_results.hpp"
 #include "hydrapod/rig/rig.hpp"
+#include "models.hpp"
 #include "support/noisy_modes.hpp"
 
 namespace {
@@ -31,7 +32,7 @@ const std::vector<std::string> owner{"legs.oil_spring.cylinder.air.fraction=0.00
 model::MachineFile machine_file(const std::vector<std::string>& faults = {}) {
   auto overrides = owner;
   overrides.insert(overrides.end(), faults.begin(), faults.end());
-  return model::read_machine_file(HYDRAPOD_MODELS "/heavy-platform.toml", overrides,
+  return model::read_machine_file(model_file("heavy-platform.toml"), overrides,
                                   kinematics::check_machine);
 }
 

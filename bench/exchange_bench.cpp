@@ -10,6 +10,7 @@
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/tasks/linear.hpp"
 #include "hydrapod/tasks/machine.hpp"
+#include "models.hpp"
 
 namespace {
 
@@ -30,7 +31,7 @@ struct Folder {
 
 void exported(benchmark::State& state, tasks::ExportFormat format, exchange::SystemKind system) {
   const Folder folder;
-  const auto machine = tasks::read_machine({.file = HYDRAPOD_MODELS "/zhang-jiang-2021.toml"});
+  const auto machine = tasks::read_machine({.file = model_file("zhang-jiang-2021.toml")});
   const bool of_system = format <= tasks::ExportFormat::hdf5 || format >= tasks::ExportFormat::fmu2;
   tasks::ExportOptions options{
       .format = format, .path = (folder.path / "machine").string(), .approximate = true};

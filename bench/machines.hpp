@@ -3,14 +3,14 @@
 
 #include "hydrapod/kinematics/legs.hpp"
 #include "hydrapod/model/machine_file.hpp"
+#include "models.hpp"
 
 namespace hydrapod::bench {
 
 /// The machine of models/`name`.toml, with overrides as on the command line.
 inline model::Machine machine(const std::string& name,
                               const std::vector<std::string>& overrides = {}) {
-  return model::read_machine_file(HYDRAPOD_MODELS "/" + name + ".toml", overrides,
-                                  kinematics::check_machine)
+  return model::read_machine_file(model_file(name + ".toml"), overrides, kinematics::check_machine)
       .machine;
 }
 
