@@ -63,8 +63,12 @@ Settling settling_of(const std::vector<signals::Signal>& commands) {
 
 std::optional<double> settling_time(const RunSummary& run, const Settling& settling,
                                     int direction) {
-  if (std::abs(run.final_error[direction]) > settling.band[direction]) return std::nullopt;
+  constexpr double stays = 0.1;  // of the time since the step: what swings crosses the band too
   const double step = settling.step[static_cast<std::size_t>(direction)].value_or(0.0);
+  const double within = run.time - run.settled[direction];
+  if (std::abs(run.final_error[direction]) > settling.band[direction] ||
+      within < stays * (run.time - step))
+    return std::nullopt;
   return std::max(run.settled[direction] - step, 0.0);
 }
 

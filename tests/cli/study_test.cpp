@@ -333,12 +333,12 @@ TEST(Studies, SayWhatIsWrongWithWhatTheyAreAskedFor) {
 TEST(Studies, EverySampleMakesAMotion) {
   const test::TemporaryFolder folder;
   const auto heavy = test::source_file("models/heavy-platform.toml").string();
-  const std::vector<std::string> motion{"--command", "step z=1 mm, at=0.1", "--until", "2.4"};
+  const std::vector<std::string> motion{"--command", "step z=1 mm, at=0.1", "--until", "6"};
   std::vector<std::string> sweep{"sweep",     heavy,
                                  "--over",    "platform.mass=13200, 15100 kg",
                                  "--csv",     (folder / "s.csv").string(),
                                  "--results", (folder / "s.h5").string(),
-                                 "--want",    "settling_z <= 2.1 s"};
+                                 "--want",    "settling_z <= 4.2 s"};
   sweep.insert(sweep.end(), motion.begin(), motion.end());
   const auto run = test::run_hydrapod(sweep);
   ASSERT_EQ(run.exit_code, 0) << run.err;
@@ -361,7 +361,7 @@ TEST(Studies, EverySampleMakesAMotion) {
   // the same from a file, whose motion the command line may shorten
   test::write_text(folder / "m.toml",
                    fmt::format("machine = \"{}\"\nsamples = 2\n"
-                               "command = [\"step z=1 mm, at=0.1\"]\nuntil = 2.4\n"
+                               "command = [\"step z=1 mm, at=0.1\"]\nuntil = 4\n"
                                "[vary]\n\"platform.mass\" = \"normal ± 1 %\"\n",
                                heavy));
   const auto from_file = [&](const std::vector<std::string>& more) {
@@ -371,10 +371,11 @@ TEST(Studies, EverySampleMakesAMotion) {
     return test::run_hydrapod(all);
   };
   const auto whole = from_file({});
-  EXPECT_THAT(whole.out, testing::AllOf(HasSubstr("motion: step z=1 mm, at=0.1; until 2.4 s"),
+  EXPECT_THAT(whole.out, testing::AllOf(HasSubstr("motion: step z=1 mm, at=0.1; until 4 s"),
                                         HasSubstr("settling_z "), Not(HasSubstr("motions have"))))
       << whole.err;
-  EXPECT_THAT(from_file({"--until", "0.3"}).out,
+  // within the band at the end, on the way through it
+  EXPECT_THAT(from_file({"--until", "0.4"}).out,
               HasSubstr("2 of 2 motions have not settled in z at their end"));
   EXPECT_EQ(rows.count("settling_x [s]"), 0U);
 }

@@ -249,7 +249,7 @@ struct Settling {
 };
 Settling settling_of(const std::vector<signals::Signal>& commands);
 /// From the last step in a direction, or from the beginning, until the motion of a run with this
-/// band stays within it [s]; none: it is outside at the end.
+/// band stays within it [s]; none: not for the last tenth of the time since then.
 std::optional<double> settling_time(const RunSummary& run, const Settling& settling, int direction);
 
 class ClosedLoop {
