@@ -29,12 +29,14 @@ struct Folder {
   Folder& operator=(const Folder&) = delete;
 };
 
-void exported(benchmark::State& state, tasks::ExportFormat format, exchange::SystemKind system) {
+void exported(benchmark::State& state, tasks::ExportFormat format, exchange::SystemKind system,
+              bool measured) {
   const Folder folder;
   const auto machine = tasks::read_machine({.file = model_file("zhang-jiang-2021.toml")});
   const bool of_system = format <= tasks::ExportFormat::hdf5 || format >= tasks::ExportFormat::fmu2;
   tasks::ExportOptions options{
       .format = format, .path = (folder.path / "machine").string(), .approximate = true};
+  options.measure = measured;
   if (of_system) options.system = system;
   std::uintmax_t bytes = 0;
   try {
@@ -53,11 +55,14 @@ const int registered = [] {
     const bool fmu = format >= tasks::ExportFormat::fmu2;
     benchmark::RegisterBenchmark(
         ("export/" + std::string(tasks::export_formats[k])).c_str(), &exported, format,
-        fmu ? exchange::SystemKind::plant : exchange::SystemKind::mechanics)
+        fmu ? exchange::SystemKind::plant : exchange::SystemKind::mechanics, false)
         ->Unit(benchmark::kMicrosecond);
   }
   benchmark::RegisterBenchmark("export/mat_loop", &exported, tasks::ExportFormat::mat,
-                               exchange::SystemKind::loop)
+                               exchange::SystemKind::loop, false)
+      ->Unit(benchmark::kMicrosecond);
+  benchmark::RegisterBenchmark("export/mat_measured", &exported, tasks::ExportFormat::mat,
+                               exchange::SystemKind::mechanics, true)
       ->Unit(benchmark::kMicrosecond);
   return 0;
 }();

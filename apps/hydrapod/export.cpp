@@ -106,7 +106,7 @@ tasks::ExportOptions options_of(const Arguments& arguments) {
   if (!arguments.point.empty()) options.p_PQ = point("--point", arguments.point);
   options.reduced_states = arguments.reduce;
   options.leg_modes = arguments.leg_modes;
-  options.base = arguments.free_base;
+  options.free_base = arguments.free_base;
   options.approximate = arguments.approximate;
   return options;
 }
@@ -145,9 +145,8 @@ void add_export(Command app) {
   add_subject_options(command, arguments.machine);
   command.add_options(
       {{"--to", arguments.to,
-        "State space: mat, npz, json, hdf5; modes: uff, unv; superelement: mtx, dmig; multibody: "
-        "mjcf, "
-        "sdf, urdf; nonlinear plant: fmu2, fmu3",
+        "State space: mat, npz, json, hdf5; modes: uff, unv; superelement: mtx, dmig; "
+        "multibody: mjcf, sdf, urdf; nonlinear plant: fmu2, fmu3",
         required},
        {"--system", arguments.system,
         "State space of the mechanics (default), of the plant (with hydraulics or electric "
@@ -169,9 +168,8 @@ void add_export(Command app) {
        {"--leg-modes", arguments.leg_modes,
         "Modes of the legs that a superelement keeps; default: all", range(-1, 1000)},
        {"--free-base", arguments.free_base,
-        "A superelement to be joined at the base too: its six directions are coordinates, its "
-        "mount "
-        "and mass are left out"},
+        "A superelement to be joined at the base too: its six directions are "
+        "coordinates; its mount and mass are left out"},
        {"--approximate", arguments.approximate,
         "Write also what the format cannot hold in full; the report lists it"},
        {"-o,--output", arguments.output, "File to write", required}});

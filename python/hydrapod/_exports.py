@@ -48,13 +48,15 @@ def export(machine: Machine, path: Path, *, to: Optional[str] = None, system: Op
            sample_time: Optional[Quantity] = None, sampled: bool = False, pade_order: int = 2,
            inputs: Optional[Texts] = None, outputs: Optional[Texts] = None,
            point: Optional[Sequence[Quantity]] = None, reduce: Optional[int] = None,
-           leg_modes: Optional[int] = None, free_base: bool = False, approximate: bool = False) -> Export:
+           leg_modes: Optional[int] = None, free_base: bool = False, approximate: bool = False,
+           measure: bool = True) -> Export:
     """Writes the machine as a file for another program.
 
     path: file to write. to: mat, npz, json, hdf5 (state space), uff, unv (modes), mtx, dmig (superelement), mjcf,
     sdf, urdf (multibody), fmu2, fmu3 (functional mock-up unit); default: by the ending. system: default mechanics for
     a state space, plant for an FMU. Other options: see machine_state_space() and superelement(). approximate: write
-    also what the format holds only in part. Raises InputError where a format cannot hold the machine; nothing is
+    also what the format holds only in part. measure: state in parity how far what is held is from the machine, which
+    takes some ms, of plant and loop some tens. Raises InputError where a format cannot hold the machine; nothing is
     written then. Source: docs/howto/exchange.md. C++: tasks::export_machine in hydrapod/tasks/linear.hpp.
     """
     name = os.fspath(path)
@@ -68,7 +70,8 @@ def export(machine: Machine, path: Path, *, to: Optional[str] = None, system: Op
     options = _system(system, sample_time, sampled, pade_order, inputs, outputs, point, reduce)
     files, parity = _core.export_machine(_core_of(machine), {
         **options, **_checks.options(path=name, to=to, leg_modes=leg_modes, approximate=approximate,
-                                     free_base=_checks.flag(free_base, "free_base"))})
+                                     free_base=_checks.flag(free_base, "free_base"),
+                                     measure=_checks.flag(measure, "measure"))})
     return Export(files, [ParityLine(*line) for line in parity])
 
 

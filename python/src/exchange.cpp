@@ -94,7 +94,8 @@ py::tuple export_machine(const Machine& machine, const Options& asked) {
   options.p_PQ = point_of(asked);
   options.reduced_states = reduced_states(asked);
   options.leg_modes = asked.get("leg_modes", -1);
-  options.base = asked.get("free_base", false);
+  options.free_base = asked.get("free_base", false);
+  options.measure = asked.get("measure", true);
   options.approximate = asked.get("approximate", false);
   options.json_head = head_of_model("state_space", *machine);
   const auto done = without_gil([&] { return tasks::export_machine(*machine, options); });
@@ -150,7 +151,7 @@ std::shared_ptr<Superelement> superelement(const Machine& machine, const Options
       .kind = machine->kind,
       .p_PQ = point_of(asked).value_or(machine->file.machine.platform.mass_center),
       .leg_modes = asked.get("leg_modes", -1),
-      .base = asked.get("free_base", false)};
+      .free_base = asked.get("free_base", false)};
   return without_gil([&] {
     return std::make_shared<Superelement>(
         Superelement{exchange::superelement(machine->file.machine, machine->pose.X_BP, options)});

@@ -161,4 +161,5 @@ def test_of_random_machines(tmp_path, seed):
         assert done.parity and all(line.what and line.how for line in done.parity)
         assert not any(re.search(r"\b(nan|inf)\b", line.how) for line in done.parity), done.parity
         written[to] = written.get(to, 0) + 1
-    assert len(written) >= 8 and refused < tries
+    assert len(written) >= 8  # of 13 formats
+    assert refused < sum(written.values())  # most machines can be held

@@ -12,6 +12,7 @@
 #include "fmu_description.hpp"
 #include "hydrapod/base/version.hpp"
 #include "hydrapod/simulation/closed_loop.hpp"
+#include "measured.hpp"
 #include "zip.hpp"
 
 namespace hydrapod::exchange {
@@ -139,14 +140,13 @@ ParityLine measured_equations(const std::string& numbers, const Machine& machine
   const bool both = own.derivative(0.0, x.data(), rest.input, expected.data()) &&
                     of_numbers.derivative(0.0, x.data(), rest.input, found.data());
   if (!both)
-    return {Held::approximate, "derivatives of all states", "not measured beside its rest"};
+    return {Held::approximate, "derivatives of all states by the FMU's numbers",
+            "not measured: the machine cannot be beside its rest"};
   const double difference =
       ((found - expected).array() / (expected.cwiseAbs() + scales).array()).abs().maxCoeff();
-  constexpr double exact_to = 1e-12;
-  return {
-      difference <= exact_to ? Held::exact : Held::approximate,
-      "derivatives of all states, measured",
-      fmt::format("from the numbers in the FMU, within {:.1e} of those of `simulate`", difference)};
+  constexpr double rounding = 1e-12;
+  return measured("derivatives of all states by the FMU's numbers, measured", difference,
+                  "those of `simulate`", rounding);
 }
 
 }  // namespace

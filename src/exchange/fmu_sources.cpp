@@ -26,7 +26,8 @@ std::string fmu_build_description(const FmuContent& fmu) {
   return fmt::format(
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiBuildDescription fmiVersion=\"3.0\">\n"
       "  <BuildConfiguration modelIdentifier=\"{}\" description=\"Needs the headers of Eigen 3.4, "
-      "fmt 9, JSON for Modern C++ 3.11, toml++ 3.3 and SUNDIALS 6.4. Of the symbols only those that begin with "
+      "fmt 9, JSON for Modern C++ 3.11, toml++ 3.3 and SUNDIALS 6.4. Of the symbols only those "
+      "that begin with "
       "fmi need be shown.\">\n    <SourceFileSet language=\"C++20\">\n{}"
       "      <PreprocessorDefinition name=\"EIGEN_MAX_ALIGN_BYTES\" value=\"16\"/>\n"
       "      <PreprocessorDefinition name=\"FMT_HEADER_ONLY\"/>\n"

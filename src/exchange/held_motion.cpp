@@ -7,14 +7,12 @@
 ///
 /// The hinges turn the rod's direction e as φ1, φ2 of the linear model do: E_θ θ̇ = E_φ φ̇.
 
-#include <fmt/format.h>
-
 #include <Eigen/Eigenvalues>
-#include <algorithm>
 #include <cmath>
 
 #include "hydrapod/modal/damped_modes.hpp"
 #include "hydrapod/numerics/dense.hpp"
+#include "measured.hpp"
 #include "mechanism.hpp"
 
 namespace hydrapod::exchange {
@@ -62,26 +60,23 @@ MatrixXd lost(const dynamics::LinearModel& linear, const LegMechanism& leg, int 
 
 }  // namespace
 
-ParityLine held_motion(const Machine& of_file, const Mechanism& parts, bool coupled,
-                       dynamics::ModelKind kind) {
+Parity measured_multibody(const Machine& machine, const Pose& X_BP, dynamics::ModelKind kind,
+                          MultibodyFormat format) {
   const auto own =
-      modal::modes_with_elastomers(of_file, dynamics::linear_model(of_file, parts.X_BP, kind));
-  const auto held = dynamics::linear_model(held_of(of_file, coupled), parts.X_BP, parts.kind);
-  MatrixXd K = dynamics::slow_stiffness(held);
-  for (int i = 0; i < model::leg_count && !coupled; ++i)
-    if (const auto& leg = parts.legs[static_cast<std::size_t>(i)]; !leg.coupled.empty())
-      K -= lost(held, leg, i);
-  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> solver(K, MatrixXd(held.M),
+      modal::modes_with_elastomers(machine, dynamics::linear_model(machine, X_BP, kind));
+  const auto held = held_mechanism(machine, X_BP, kind, format);
+  const auto linear =
+      dynamics::linear_model(held_of(held.machine, held.coupled), X_BP, held.parts.kind);
+  MatrixXd K = dynamics::slow_stiffness(linear);
+  for (int i = 0; i < model::leg_count && !held.coupled; ++i)
+    if (const auto& leg = held.parts.legs[static_cast<std::size_t>(i)]; !leg.coupled.empty())
+      K -= lost(linear, leg, i);
+  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> solver(K, MatrixXd(linear.M),
                                                                   Eigen::EigenvaluesOnly);
   constexpr Index lowest = 6;
-  double worst = 0.0;
-  for (Index k = 0; k < lowest; ++k)
-    if (own.omega2[k] > 0.0)
-      worst = std::max(
-          worst, std::abs(std::sqrt(std::max(solver.eigenvalues()[k], 0.0) / own.omega2[k]) - 1.0));
-  constexpr double exact_to = 1e-9;
-  return {worst <= exact_to ? Held::exact : Held::approximate, "six lowest frequencies, computed",
-          fmt::format("within {:.1e} of those of `modes`, undamped", worst)};
+  return {measured("six lowest frequencies, computed",
+                   frequency_difference(own.omega2, solver.eigenvalues(), lowest),
+                   "those of `modes`, undamped")};
 }
 
 }  // namespace hydrapod::exchange

@@ -2,20 +2,21 @@
 ///
 /// Poles: each of hydrapod's against its partner in the file, |Δλ|/|λ|. Responses: over 60 lines
 /// from a third of the lowest to three times the highest frequency of the rigid model,
-/// |ΔH_ij|/√(max|H_ii| max|H_jj|). Motion: a constant push on the platform in all six directions,
-/// in the nonlinear simulation and in the file's equations, over five periods of the lowest mode.
+/// |ΔH_ij|/√(max|H_ii| max|H_jj|). Motion: a constant push on the platform, of a loop a step of its
+/// command, in all six directions, in the nonlinear simulation and in the file's equations, over
+/// five periods of the lowest mode.
+
+#include "measured.hpp"
 
 #include <fmt/format.h>
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <numbers>
 #include <optional>
 
-#include "hydrapod/base/error.hpp"
 #include "hydrapod/base/units.hpp"
-#include "hydrapod/exchange/exchange.hpp"
 #include "hydrapod/modal/damped_modes.hpp"
 #include "hydrapod/modal/normal_modes.hpp"
 #include "hydrapod/numerics/dense.hpp"
@@ -32,15 +33,7 @@ using Eigen::MatrixXcd;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using response::Matrix6c;
-using spatial::Matrix6;
 using spatial::Vector6;
-
-constexpr double exact_to = 1e-9;
-
-ParityLine measured(const char* what, double difference, const std::string& beside) {
-  return {difference <= exact_to ? Held::exact : Held::approximate, what,
-          fmt::format("within {:.1e} of {}", difference, beside)};
-}
 
 struct Own {
   dynamics::LinearModel linear{};
@@ -107,29 +100,30 @@ Index place(const std::vector<Signal>& signals, const std::string& name) {
   return at == signals.end() ? -1 : at - signals.begin();
 }
 
-const std::array<std::string, 6> wrenches{"wrench.fx", "wrench.fy", "wrench.fz",
-                                          "wrench.mx", "wrench.my", "wrench.mz"};
-
-/// Columns of the wrench and rows of the displacement; none where one of them is missing.
+/// Columns of the inputs `prefix` + names and rows of the displacement.
 struct Places {
   std::vector<Index> rows{}, columns{};
 };
 
-std::optional<Places> places_in(const StateSpace& system) {
+/// None where one of them is missing.
+std::optional<Places> places_in(const StateSpace& system, const std::string& prefix,
+                                const std::array<const char*, 6>& names) {
   Places at;
   for (std::size_t i = 0; i < 6; ++i) {
     at.rows.push_back(place(system.outputs, spatial::direction_names[i]));
-    at.columns.push_back(place(system.inputs, wrenches[i]));
+    at.columns.push_back(place(system.inputs, prefix + names[i]));
     if (at.rows.back() < 0 || at.columns.back() < 0) return {};
   }
   return at;
 }
 
-/// Poles of a sampled system as those of a continuous one.
+std::optional<Places> wrench_places(const StateSpace& system) {
+  return places_in(system, "wrench.", {"fx", "fy", "fz", "mx", "my", "mz"});
+}
+
+/// Of a sampled system as those of a continuous one.
 Eigen::VectorXcd poles_of(const StateSpace& system) {
-  const VectorXd d = numerics::balancing(system.A);
-  Eigen::VectorXcd poles =
-      numerics::eigenvalues(d.cwiseInverse().asDiagonal() * system.A * d.asDiagonal());
+  Eigen::VectorXcd poles = eigenvalues_of(system);
   if (system.sample_time > 0.0)
     for (Complex& z : poles) z = std::log(z) / system.sample_time;
   return poles;
@@ -165,7 +159,7 @@ Parity measured_mechanics(const Machine& machine, const Pose& X_BP,
   if (!held.reduction && !poles.empty())
     parity.push_back(
         measured("poles, measured", farthest(poles, poles_of(held)), "those of `modes`"));
-  const auto at = places_in(held);
+  const auto at = wrench_places(held);
   if (!at || held.sample_time > 0.0) return parity;
   const auto lines = lines_of(machine, X_BP);
   const auto responses = response::frequency_response(
@@ -176,38 +170,43 @@ Parity measured_mechanics(const Machine& machine, const Pose& X_BP,
   return parity;
 }
 
-/// The platform under a constant wrench about its mass centre.
-struct Push {
-  Vector6 wrench{Vector6::Zero()};
+/// From rest, held from the beginning on: a wrench about the mass centre, or of a loop a command.
+struct Trial {
+  bool of_loop{};
+  Vector6 input{Vector6::Zero()};
   double sample_time{}, until{};
 };
 
 /// Displacements of the platform's origin at every sample.
 std::vector<Vector6> simulated(const Machine& machine, const Pose& X_BP, dynamics::ModelKind kind,
-                               bool closed, const Push& push) {
+                               const Trial& trial) {
   constexpr double tight = 1e-7;
   simulation::ClosedLoop loop(
       machine, X_BP,
       {.kind = kind,
        .integrator = {.relative_tolerance = tight, .absolute_tolerance = tight},
-       .until = push.until,
-       .output_interval = push.sample_time,
+       .until = trial.until,
+       .output_interval = trial.sample_time,
        .ideal_sensors = true,
-       .actuators = closed ? simulation::Actuators::controlled : simulation::Actuators::held});
+       .actuators =
+           trial.of_loop ? simulation::Actuators::controlled : simulation::Actuators::held});
   std::vector<Vector6> motion;
-  loop.run([&](double, simulation::Excitation& excitation) { excitation.wrench = push.wrench; },
-           [&](const simulation::LoopSample& sample) {
-             motion.push_back(simulation::displacement_between(X_BP, sample.plant.X_BP));
-           });
+  loop.run(
+      [&](double, simulation::Excitation& excitation) {
+        (trial.of_loop ? excitation.command.value : excitation.wrench) = trial.input;
+      },
+      [&](const simulation::LoopSample& sample) {
+        motion.push_back(simulation::displacement_between(X_BP, sample.plant.X_BP));
+      });
   return motion;
 }
 
 /// The same by the file's equations.
-std::vector<Vector6> propagated(const StateSpace& system, const Places& at, const Push& push,
+std::vector<Vector6> propagated(const StateSpace& system, const Places& at, const Trial& trial,
                                 std::size_t count) {
-  const auto sampled = system.sample_time > 0.0 ? system : discretised(system, push.sample_time);
+  const auto sampled = system.sample_time > 0.0 ? system : discretised(system, trial.sample_time);
   const MatrixXd C = sampled.C(at.rows, Eigen::all);
-  const VectorXd input = sampled.B(Eigen::all, at.columns) * push.wrench;
+  const VectorXd input = sampled.B(Eigen::all, at.columns) * trial.input;
   VectorXd x = VectorXd::Zero(sampled.A.rows());
   std::vector<Vector6> motion;
   for (std::size_t k = 0; k < count; ++k) {
@@ -217,17 +216,18 @@ std::vector<Vector6> propagated(const StateSpace& system, const Places& at, cons
   return motion;
 }
 
-/// The push whose static displacement by the rigid model is `size` in every direction [m, rad].
-Push push_of(const Machine& machine, const Pose& X_BP, const StateSpace& held, double size) {
+/// `size` [m, rad]: of the command, or of the static displacement by the wrench with rigid legs.
+Trial trial_of(const Machine& machine, const Pose& X_BP, const StateSpace& held, double size) {
   const auto rigid = dynamics::linear_model(machine, X_BP, dynamics::ModelKind::rigid);
   const auto modes = modal::normal_modes(rigid);
   constexpr double periods = 5.0, longest = 2.0, per_second = 1e3, most_samples = 5e3;
-  Push push;
-  push.wrench = rigid.K.topLeftCorner<6, 6>().diagonal() * size;
-  push.sample_time = held.sample_time > 0.0 ? held.sample_time : 1.0 / per_second;
-  push.until = std::min({longest, periods * base::two_pi / std::max(modes.omega(0), 1e-3),
-                         most_samples * push.sample_time});
-  return push;
+  Trial trial{.of_loop = held.system == SystemKind::loop};
+  trial.input = trial.of_loop ? Vector6(Vector6::Constant(size))
+                              : Vector6(rigid.K.topLeftCorner<6, 6>().diagonal() * size);
+  trial.sample_time = held.sample_time > 0.0 ? held.sample_time : 1.0 / per_second;
+  trial.until = std::min({longest, periods * base::two_pi / std::max(modes.omega(0), 1e-3),
+                          most_samples * trial.sample_time});
+  return trial;
 }
 
 /// Largest difference over the largest displacement, lengths and angles apart.
@@ -241,46 +241,48 @@ double relative_difference(const std::vector<Vector6>& own, const std::vector<Ve
                   differences.tail<3>().maxCoeff() / sizes.tail<3>().maxCoeff());
 }
 
-/// A small push and one that shows what is lost in large motions.
+/// A small motion, and one that shows what is lost in large ones. The simulation is not linear:
+/// no file has it exactly.
 Parity measured_motion(const Machine& machine, const Pose& X_BP, dynamics::ModelKind kind,
                        const StateSpace& held) {
-  const bool closed = held.system == SystemKind::loop;
-  const auto at = places_in(held);
+  const bool of_loop = held.system == SystemKind::loop;
+  const auto at =
+      of_loop ? places_in(held, "command.", spatial::direction_names) : wrench_places(held);
   if (!at) return {};
   Parity parity;
-  constexpr double thousandth = 1e-3;
-  for (const double size : {1e-6, 1e-4}) {
-    const auto push = push_of(machine, X_BP, held, size);
-    if (!(push.until > 2.0 * push.sample_time)) return parity;
-    const auto motion = simulated(machine, X_BP, kind, closed, push);
+  for (const double size : of_loop ? std::array{1e-5, 1e-3} : std::array{1e-6, 1e-4}) {
+    const auto trial = trial_of(machine, X_BP, held, size);
+    if (!(trial.until > 2.0 * trial.sample_time)) return parity;
+    const auto motion = simulated(machine, X_BP, kind, trial);
     if (motion.size() < 2) return parity;
     const double difference =
-        relative_difference(motion, propagated(held, *at, push, motion.size()));
+        relative_difference(motion, propagated(held, *at, trial, motion.size()));
     double largest = 0.0;
     for (const auto& one : motion) largest = std::max(largest, one.head<3>().cwiseAbs().maxCoeff());
     parity.push_back(
-        {difference <= thousandth ? Held::exact : Held::approximate,
-         "motion under a push, measured",
+        {Held::approximate,
+         of_loop ? "motion after a step of the command, measured" : "motion under a push, measured",
          fmt::format("by {:.2g} mm in {:.2g} s: within {:.1e} of `simulate{}`", 1e3 * largest,
-                     push.until, difference, closed ? "" : " --actuators held")});
+                     trial.until, difference, of_loop ? "" : " --actuators held")});
   }
   return parity;
 }
 
+/// Of a continuous system and of the sampled loop A is that of `modes --system` itself.
 Parity measured_actuators(const Machine& machine, const Pose& X_BP,
                           const StateSpaceOptions& options, const StateSpace& held) {
   Parity parity;
-  const bool closed = options.system == SystemKind::loop;
-  if (!held.reduction) {
-    const auto system = simulation::linear_system(
-        machine, X_BP, {.kind = options.kind, .pade_order = options.pade_order, .closed = closed});
-    const auto all = simulation::system_poles(system);
+  if (held.sample_time > 0.0 && !options.sampled_controller && !held.reduction) {
+    const bool closed = options.system == SystemKind::loop;
+    const auto system = simulation::linear_system(machine, X_BP,
+                                                  {.kind = options.kind,
+                                                   .pade_order = options.pade_order,
+                                                   .closed = closed,
+                                                   .sampled = false});
     std::vector<Complex> poles;
-    if (options.sampled_controller)
-      poles = all.sampled;
-    else
-      for (const auto& one : all.poles) poles.push_back(one.pole);
-    std::erase_if(poles, [](Complex pole) { return std::abs(pole) < 1e-3; });
+    constexpr double integrators = 1e-3;  // [1/s]
+    for (const auto& one : simulation::system_poles(system).poles)
+      if (std::abs(one.pole) > integrators) poles.push_back(one.pole);
     poles = seen(std::move(poles), held.sample_time);
     if (!poles.empty())
       parity.push_back(measured("poles, measured", farthest(poles, poles_of(held)),
@@ -292,6 +294,30 @@ Parity measured_actuators(const Machine& machine, const Pose& X_BP,
 }
 
 }  // namespace
+
+ParityLine measured(const std::string& what, double difference, const std::string& beside,
+                    double exact_to) {
+  return {difference <= exact_to ? Held::exact : Held::approximate, what,
+          difference == 0.0 ? "no difference from " + beside
+                            : fmt::format("within {:.1e} of {}", difference, beside)};
+}
+
+Eigen::VectorXcd eigenvalues_of(const StateSpace& system) {
+  const VectorXd d = numerics::balancing(system.A);
+  return numerics::eigenvalues(d.cwiseInverse().asDiagonal() * system.A * d.asDiagonal());
+}
+
+double frequency_difference(VectorXd own, VectorXd held, Index count) {
+  std::ranges::sort(own);
+  std::ranges::sort(held);
+  double largest = 0.0;
+  for (Index k = 0; k < count; ++k) {
+    if (own[k] == 0.0) continue;
+    const double ratio = held[k] / own[k];
+    largest = std::max(largest, ratio > 0.0 ? std::abs(std::sqrt(ratio) - 1.0) : 1.0);
+  }
+  return largest;
+}
 
 Parity measured_state_space(const Machine& machine, const Pose& X_BP,
                             const StateSpaceOptions& options, const StateSpace& held) {
@@ -336,33 +362,29 @@ Parity measured_modes(const Machine& machine, const Pose& X_BP, dynamics::ModelK
 Parity measured_superelement(const Machine& of_file, const Pose& X_BP,
                              const SuperelementOptions& options, const Superelement& held) {
   auto machine = of_file;
-  if (options.base) machine.base_mount.reset();
+  if (options.free_base) machine.base_mount.reset();
   const auto own = own_model(machine, X_BP, options.kind);
-  std::vector<Index> kept(static_cast<std::size_t>(held.M.rows()));
-  std::iota(kept.begin(), kept.end(), Index{0});
-  if (held.is_base_free) kept.erase(kept.begin() + 6, kept.begin() + 12);  // the base is held
-  const MatrixXd M = held.M(kept, kept), K = held.K(kept, kept), C = held.C(kept, kept);
-  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> solver(K, M, Eigen::EigenvaluesOnly);
-  const std::string still = options.base ? ", the base held" : "";
-  const Index count = held.first_left_out > 0.0 ? 6 : own.normal.omega2.size();
-  double worst = 0.0;
-  for (Index k = 0; k < count; ++k)
-    if (const double own_square = own.normal.omega2[k]; own_square != 0.0)
-      worst = std::max(worst,
-                       std::abs(std::sqrt(std::abs(solver.eigenvalues()[k] / own_square)) - 1.0));
-  Parity parity{measured(count == 6 && own.normal.size() > 6 ? "six lowest frequencies, measured"
-                                                             : "frequencies, measured",
-                         worst, "those of `modes`" + still)};
+  const auto still = with_base_held(held);
+  const std::string beside = options.free_base ? ", the base held" : "";
+  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> solver(still.K, still.M,
+                                                                  Eigen::EigenvaluesOnly);
+  const bool whole = held.first_left_out == 0.0;
+  constexpr Index of_platform = 6;
+  Parity parity{measured(whole ? "frequencies, measured" : "six lowest frequencies, measured",
+                         frequency_difference(own.normal.omega2, solver.eigenvalues(),
+                                              whole ? own.normal.omega2.size() : of_platform),
+                         "those of `modes`" + beside)};
   const auto lines = lines_of(machine, X_BP);
   std::vector<Matrix6c> responses;
   for (const double omega : lines) {
-    const MatrixXcd Z = (K - omega * omega * M).cast<Complex>() + Complex(0.0, omega) * C;
+    const MatrixXcd Z =
+        (still.K - omega * omega * still.M).cast<Complex>() + Complex(0.0, omega) * still.C;
     responses.emplace_back(numerics::solve(Z, MatrixXcd::Identity(Z.rows(), 6)).topRows<6>());
   }
   const auto expected = response::frequency_response(
       response::response_model(own.linear, own.normal, own.ratio, options.p_PQ), lines);
   parity.push_back(measured("responses, measured", largest_difference(expected, responses),
-                            "the largest of `bode`" + still));
+                            "the largest of `bode`" + beside));
   return parity;
 }
 

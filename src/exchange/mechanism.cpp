@@ -368,29 +368,38 @@ bool fill_massless_parts(Machine& machine) {
 
 }  // namespace
 
+HeldMechanism held_mechanism(Machine machine, const Pose& X_BP, dynamics::ModelKind kind,
+                             MultibodyFormat format) {
+  HeldMechanism held{.machine = std::move(machine)};
+  held.coupled = format == MultibodyFormat::mjcf;
+  held.lose_offset = !held.coupled && kind == dynamics::ModelKind::full;
+  held.filled = !held.coupled && fill_massless_parts(held.machine);
+  held.parts = mechanism(held.machine, X_BP, held.lose_offset ? dynamics::ModelKind::guide : kind);
+  return held;
+}
+
 MultibodyFile multibody_file(const Machine& of_file, const Pose& X_BP, dynamics::ModelKind kind,
                              MultibodyFormat format) {
   const bool coupled = format == MultibodyFormat::mjcf;
-  auto machine = of_file;
-  const bool struts = model::leg_type(machine) == model::LegType::strut;
+  const bool struts = model::leg_type(of_file) == model::LegType::strut;
   if (struts && !coupled)
     base::refuse("legs.strut",
                  "has no mass, and links of SDF and URDF need one; expected MJCF, where struts are "
                  "tendons");
   if (coupled && !struts &&
-      std::ranges::any_of(machine.legs, [](const auto& leg) { return leg.rod.mass == 0.0; }))
+      std::ranges::any_of(of_file.legs, [](const auto& leg) { return leg.rod.mass == 0.0; }))
     base::refuse("legs.rod.mass",
                  "is 0, and MuJoCo closes the loops at the rods' ends with forces that need a mass "
                  "there; expected the mass of the rod, or a part of the case's");
-  const bool lose_offset = !coupled && kind == dynamics::ModelKind::full;
-  const bool filled = !coupled && fill_massless_parts(machine);
-  auto parts = mechanism(machine, X_BP, lose_offset ? dynamics::ModelKind::guide : kind);
+  const auto held = held_mechanism(of_file, X_BP, kind, format);
+  const auto& machine = held.machine;
+  const auto& parts = held.parts;
   MultibodyFile file{.parity = parts.parity};
   auto& parity = file.parity;
-  if (filled)
+  if (held.filled)
     parity.push_back({Held::approximate, "parts of legs without mass or inertia",
                       "a millionth of the leg's, which links need"});
-  if (lose_offset)
+  if (held.lose_offset)
     parity.push_back({Held::absent, "piston offset in its ring",
                       "three joints in one place need links without mass"});
   if (!coupled) add_joint_inertia_parity(parts, parity);
@@ -406,7 +415,6 @@ MultibodyFile multibody_file(const Machine& of_file, const Pose& X_BP, dynamics:
   if (kind != dynamics::ModelKind::rigid)
     parity.push_back({Held::approximate, "seals, large motions",
                       "the hinges keep the stiffness that they have at this pose"});
-  parity.push_back(held_motion(of_file, parts, coupled, kind));
   switch (format) {
     case MultibodyFormat::mjcf:
       if (!struts)

@@ -72,11 +72,16 @@ struct Mechanism {
 /// Throws base::ComputationError where the machine does not stand at `X_BP`.
 Mechanism mechanism(const Machine& machine, const Pose& X_BP, dynamics::ModelKind kind);
 
-/// The lowest frequencies of small motions with what the file holds beside those of the machine in
-/// the model `kind`. `coupled`: the format has springs along combinations of joints, and joints
-/// with inertia.
-ParityLine held_motion(const Machine& machine, const Mechanism& parts, bool coupled,
-                       dynamics::ModelKind kind);
+/// What a format takes of a machine.
+struct HeldMechanism {
+  Machine machine{};
+  Mechanism parts{};
+  bool coupled{};      ///< the format has springs along combinations of joints, joints with inertia
+  bool filled{};       ///< parts without mass or inertia have got a little
+  bool lose_offset{};  ///< of the piston in its ring
+};
+HeldMechanism held_mechanism(Machine machine, const Pose& X_BP, dynamics::ModelKind kind,
+                             MultibodyFormat format);
 
 /// Springs of the slide and the two hinges at the piston for programs without coupled springs: each
 /// joint alone, and what the bent seals push with at rest, without which the legs would bend on.

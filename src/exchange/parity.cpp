@@ -5,11 +5,9 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "hydrapod/base/units.hpp"
-#include "hydrapod/exchange/exchange.hpp"
-#include "hydrapod/numerics/dense.hpp"
+#include "measured.hpp"
 
 namespace hydrapod::exchange {
 
@@ -56,10 +54,7 @@ void add_growth(double rate, Parity& parity) {
 /// Of a continuous or a sampled system; 0 where nothing grows beyond rounding.
 double growth(const StateSpace& system) {
   if (system.A.size() == 0) return 0.0;
-  // pressures beside lengths: without balancing slow poles are rounded away
-  const Eigen::VectorXd d = numerics::balancing(system.A);
-  const Eigen::VectorXcd poles =
-      numerics::eigenvalues(d.cwiseInverse().asDiagonal() * system.A * d.asDiagonal());
+  const auto poles = eigenvalues_of(system);
   constexpr double rounding = 1e-9;
   if (system.sample_time > 0.0) {
     const double largest = poles.cwiseAbs().maxCoeff();
@@ -71,14 +66,9 @@ double growth(const StateSpace& system) {
 
 /// Of M q̈ + K q = 0; a free base is held.
 double growth(const Superelement& element) {
-  std::vector<Eigen::Index> held(static_cast<std::size_t>(element.M.rows()));
-  std::iota(held.begin(), held.end(), Eigen::Index{0});
-  if (element.is_base_free) {
-    const auto base = held.begin() + element.platform;
-    held.erase(base, base + static_cast<std::ptrdiff_t>(element.base_directions.size()));
-  }
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(
-      element.K(held, held), element.M(held, held), Eigen::EigenvaluesOnly);
+  const auto held = with_base_held(element);
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(held.K, held.M,
+                                                                         Eigen::EigenvaluesOnly);
   const double least = solver.eigenvalues()[0];
   return least < 0.0 ? std::sqrt(-least) : 0.0;
 }
@@ -156,11 +146,11 @@ Parity superelement_parity(const Machine& machine, const Superelement& element, 
                         "dampers against the base, exact where it stands still"});
   } else if (!machine.base_mount) {
     parity.push_back({Held::exact, "base", "stands still"});
-  }
-  if (!element.is_base_free && machine.base_mount && element.base_directions.empty())
+  } else if (element.base_directions.empty()) {
     parity.push_back({Held::exact, "base",
                       "its mount is in series with the legs: neither they nor the base have "
                       "inertia"});
+  }
   parity.push_back(axial_parity(model::leg_type(machine)));
   return parity;
 }

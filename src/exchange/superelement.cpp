@@ -101,18 +101,18 @@ Matrices on_a_free_base(Machine machine, const Pose& X_BP, const SuperelementOpt
   mount.inertia.setOnes();
   const auto linear = dynamics::linear_model(machine, X_BP, options.kind);
   const Index n = linear.dof(), first = linear.first_of_base();
-  const auto moved = [](const Vector3& arm) {  // by a rotation about a point at −arm
+  const auto carried = [](const Vector3& arm) {  // motion of a point per motion of one at −arm
     spatial::Matrix6 T = spatial::Matrix6::Identity();
-    T.topRightCorner<3, 3>() = spatial::skew(arm);
+    T.topRightCorner<3, 3>() = -spatial::skew(arm);
     return T;
   };
   MatrixXd at_C = MatrixXd::Identity(n, n);  // motion of C per motion of Q
-  at_C.topLeftCorner<6, 6>() = moved(still.p_BQ - linear.p_BC);
+  at_C.topLeftCorner<6, 6>() = carried(linear.p_BC - still.p_BQ);
   MatrixXd M = linear.M;
   M.diagonal().segment(first, 6).array() -= 1.0;
   MatrixXd against_base = MatrixXd::Zero(n - 6, n);
   against_base.leftCols(first).setIdentity();
-  against_base.block(0, first, 6, 6) = -moved(-still.p_BQ);
+  against_base.block(0, first, 6, 6) = -carried(still.p_BQ);
   const Index payload = linear.payload_count();
   against_base.bottomRightCorner(payload, payload).setIdentity();
   return {at_C.transpose() * M * at_C,
@@ -138,8 +138,8 @@ Superelement superelement(const Machine& machine, const Pose& X_BP,
         "of a seal is a spring that depends on frequency: a superelement holds M, K and C, "
         "and its dampers in series need states; expected a state space (--to mat, npz, "
         "json or hdf5), or a machine file without `elastomer`");
-  const auto at_Q =
-      options.base ? on_a_free_base(machine, X_BP, options) : on_its_base(machine, X_BP, options);
+  const auto at_Q = options.free_base ? on_a_free_base(machine, X_BP, options)
+                                      : on_its_base(machine, X_BP, options);
   const Index n = at_Q.M.rows(),
               beyond = static_cast<Index>(at_Q.base_directions.size() + at_Q.payload.size()),
               legs = n - 6 - beyond, held = 6 + beyond;
@@ -155,8 +155,9 @@ Superelement superelement(const Machine& machine, const Pose& X_BP,
   const MatrixXd M = at_Q.M(order, order), K = at_Q.K(order, order), C = at_Q.C(order, order);
   MatrixXd T = MatrixXd::Zero(n, held + kept);
   T.topLeftCorner(held, held).setIdentity();
-  Superelement element{
-      .base_directions = at_Q.base_directions, .p_BQ = at_Q.p_BQ, .is_base_free = options.base};
+  Superelement element{.base_directions = at_Q.base_directions,
+                       .p_BQ = at_Q.p_BQ,
+                       .is_base_free = options.free_base};
   if (legs > 0) {
     const MatrixXd K_ff = K.bottomRightCorner(legs, legs);
     const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> solver(
@@ -183,6 +184,22 @@ Superelement superelement(const Machine& machine, const Pose& X_BP,
   for (Index k = 1; k <= kept; ++k)
     element.coordinates.push_back({fmt::format("leg mode {}", k), "m sqrt(kg)", 0.0});
   return element;
+}
+
+Superelement with_base_held(const Superelement& element) {
+  if (!element.is_base_free) return element;
+  auto held = element;
+  const Index base = element.platform, count = std::ssize(element.base_directions);
+  std::vector<Index> kept;
+  for (Index i = 0; i < element.M.rows(); ++i)
+    if (i < base || i >= base + count) kept.push_back(i);
+  held.M = element.M(kept, kept);
+  held.K = element.K(kept, kept);
+  held.C = element.C(kept, kept);
+  held.coordinates.erase(held.coordinates.begin() + base, held.coordinates.begin() + base + count);
+  held.base_directions.clear();
+  held.is_base_free = false;
+  return held;
 }
 
 std::string matrix_market(const Eigen::Ref<const MatrixXd>& matrix,

@@ -29,7 +29,9 @@ spatial::Vector3 interface_point(const Machine& machine, const ExportOptions& op
 /// What can be run beside the file; a machine that cannot be computed so has its reason in its
 /// place.
 template <class Measure>
-exchange::Parity with_measured(exchange::Parity parity, const Measure& measure) {
+exchange::Parity with_measured(exchange::Parity parity, const ExportOptions& options,
+                               const Measure& measure) {
+  if (!options.measure) return parity;
   try {
     for (auto& line : measure()) parity.push_back(std::move(line));
   } catch (const base::ComputationError& error) {
@@ -60,7 +62,7 @@ exchange::Parity export_modes(const Machine& machine, const ExportOptions& optio
                                                   machine.kind, export_head(machine)),
                             options.format == ExportFormat::unv ? data::ModalDataset::analysis
                                                                 : data::ModalDataset::shapes);
-  return with_measured(exchange::modal_model_parity(machine.kind), [&] {
+  return with_measured(exchange::modal_model_parity(machine.kind), options, [&] {
     return exchange::measured_modes(machine.file.machine, machine.pose.X_BP, machine.kind,
                                     data::read_modal_results(options.path).results);
   });
@@ -77,7 +79,8 @@ exchange::Parity export_state_space(const Machine& machine, const ExportOptions&
       .inputs = options.inputs,
       .outputs = options.outputs,
       .reduced_states = options.reduced_states};
-  const auto& [of_file, X_BP] = std::tie(machine.file.machine, machine.pose.X_BP);
+  const auto& of_file = machine.file.machine;
+  const auto& X_BP = machine.pose.X_BP;
   const auto system = exchange::state_space(of_file, X_BP, asked);
   const auto head = export_head(machine);
   if (options.format == ExportFormat::mat) {
@@ -91,7 +94,7 @@ exchange::Parity export_state_space(const Machine& machine, const ExportOptions&
     json.update(exchange::state_space_json(system));
     base::write_file_whole(options.path, json.dump(1) + "\n");
   }
-  return with_measured(exchange::state_space_parity(system), [&] {
+  return with_measured(exchange::state_space_parity(system), options, [&] {
     return exchange::measured_state_space(of_file, X_BP, asked, system);
   });
 }
@@ -100,7 +103,7 @@ exchange::Parity export_superelement(const Machine& machine, const ExportOptions
   const exchange::SuperelementOptions asked{.kind = machine.kind,
                                             .p_PQ = interface_point(machine, options),
                                             .leg_modes = options.leg_modes,
-                                            .base = options.base};
+                                            .free_base = options.free_base};
   const auto element = exchange::superelement(machine.file.machine, machine.pose.X_BP, asked);
   const auto head = export_head(machine);
   const bool nastran = options.format == ExportFormat::dmig;
@@ -118,7 +121,8 @@ exchange::Parity export_superelement(const Machine& machine, const ExportOptions
                                             {head.title, fmt::format("{} in SI units", "MKC"[i]),
                                              "coordinates: " + coordinates}));
   }
-  return with_measured(exchange::superelement_parity(machine.file.machine, element, nastran), [&] {
+  auto parity = exchange::superelement_parity(machine.file.machine, element, nastran);
+  return with_measured(std::move(parity), options, [&] {
     auto held = element;
     read_matrices(export_files(options.format, options.path), nastran, held);
     return exchange::measured_superelement(machine.file.machine, machine.pose.X_BP, asked, held);
@@ -146,7 +150,10 @@ exchange::Parity export_multibody(const Machine& machine, const ExportOptions& o
   const auto files = export_files(options.format, options.path);
   base::write_file_whole(files[0], file.text);
   if (files.size() > 1) base::write_file_whole(files[1], file.sidecar);
-  return file.parity;
+  return with_measured(file.parity, options, [&] {
+    return exchange::measured_multibody(machine.file.machine, machine.pose.X_BP, machine.kind,
+                                        format);
+  });
 }
 
 exchange::Parity export_fmu(const Machine& machine, const ExportOptions& options) {

@@ -49,8 +49,7 @@ void refuse_modal_results(const std::string& path) {
   if (data::file_kind(path) == data::FileKind::modal_results)
     base::refuse(path,
                  "holds modes (dataset 55 or 2414) without their uncertainties; JSON or CSV of "
-                 "`hydrapod identify` "
-                 "has them");
+                 "`hydrapod identify` has them");
 }
 
 Measured responses_from(const report::Json& json, const std::string& path) {

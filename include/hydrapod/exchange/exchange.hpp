@@ -150,12 +150,15 @@ struct SuperelementOptions {
   dynamics::ModelKind kind{dynamics::ModelKind::guide};
   Vector3 p_PQ{Vector3::Zero()};
   int leg_modes{-1};  ///< how many are kept, the lowest; −1: all
-  bool base{};        ///< the base is free, see above
+  bool free_base{};   ///< see above
 };
 
 /// Throws base::InputError for more modes than the legs have.
 Superelement superelement(const Machine& machine, const Pose& X_BP,
                           const SuperelementOptions& options);
+
+/// The element with a free base that stands still; one without as it is.
+Superelement with_base_held(const Superelement& element);
 
 /// `matrix` (symmetric) as Matrix Market coordinate text, 17 digits; `comments` behind %.
 std::string matrix_market(const Eigen::Ref<const Eigen::MatrixXd>& matrix,
@@ -225,6 +228,8 @@ Parity state_space_parity(const StateSpace& system);
 Parity modal_model_parity(dynamics::ModelKind kind);
 Parity superelement_parity(const Machine& machine, const Superelement& element, bool nastran);
 
+enum class MultibodyFormat { mjcf, sdf, urdf };
+
 /// What was read back from a file, or what was written where nothing is lost, beside hydrapod's own
 /// modes and responses of the machine: lines with the largest differences.
 Parity measured_state_space(const Machine& machine, const Pose& X_BP,
@@ -233,6 +238,9 @@ Parity measured_modes(const Machine& machine, const Pose& X_BP, dynamics::ModelK
                       const data::ModalResults& held);
 Parity measured_superelement(const Machine& machine, const Pose& X_BP,
                              const SuperelementOptions& options, const Superelement& held);
+/// Small motions with what a multibody file holds (src/exchange/held_motion.cpp).
+Parity measured_multibody(const Machine& machine, const Pose& X_BP, dynamics::ModelKind kind,
+                          MultibodyFormat format);
 
 /// A text and what it holds of the machine.
 struct MultibodyFile {
@@ -240,8 +248,6 @@ struct MultibodyFile {
   std::string sidecar{};  ///< JSON: closures and springs that a tree cannot hold (URDF)
   Parity parity{};
 };
-
-enum class MultibodyFormat { mjcf, sdf, urdf };
 
 /// The mechanism at rest at `X_BP`. Throws base::ComputationError where it does not stand there.
 MultibodyFile multibody_file(const Machine& machine, const Pose& X_BP, dynamics::ModelKind kind,

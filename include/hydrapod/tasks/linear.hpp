@@ -158,8 +158,9 @@ struct ExportOptions {
   std::optional<spatial::Vector3> p_PQ{};        ///< default: the platform's mass centre
   int reduced_states{};                          ///< of a state space; 0: all
   int leg_modes{-1};                             ///< of a superelement; −1: all
-  bool base{};                                   ///< of a superelement: the base is free too
+  bool free_base{};                              ///< of a superelement: the base is free too
   bool approximate{};                            ///< write also what the format holds only in part
+  bool measure{true};                            ///< how far what is held is from the machine
   /// Beginning of the JSON; null: none.
   report::Json json_head{};
 };
