@@ -336,7 +336,7 @@ Parity measured_modes(const Machine& machine, const Pose& X_BP, dynamics::ModelK
                               "those of `modes`, read back"));
   if (held.inputs.size() != 6 || held.outputs.size() < 6) {
     parity.push_back({Held::approximate, "participation of the modes",
-                      "not held: complex modes share a pole, and each number would be any mix"});
+                      "not held: complex modes share a pole, and their shapes are any mix"});
     return parity;
   }
   const auto lines = lines_of(machine, X_BP);
