@@ -81,6 +81,9 @@ class RecordReader {
   std::optional<Notes> opened_{};  ///< notes before the first read
 };
 
+/// Rows of a block (make_block).
+Eigen::Index rows_at_once(const RecordHeader& header);
+
 std::unique_ptr<RecordWriter> make_csv_writer(const std::string& path, const RecordHeader& header);
 /// `for_matlab`: MATLAB 7.3.
 std::unique_ptr<RecordWriter> make_hdf5_writer(const std::string& path, const RecordHeader& header,

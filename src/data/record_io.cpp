@@ -290,11 +290,14 @@ void RecordReader::note_unfinished() {
 
 void RecordReader::begin_checksum() { checksum_ = std::make_unique<Checksum>(header_); }
 
-Samples make_block(const RecordHeader& header) {
+Eigen::Index rows_at_once(const RecordHeader& header) {
   constexpr std::size_t bytes = 1 << 20;
-  const std::size_t columns = header.channels.size();
-  const std::size_t rows = std::clamp<std::size_t>(bytes / (sizeof(double) * columns), 1, 65536);
-  return Samples::Zero(static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(columns));
+  return static_cast<Eigen::Index>(
+      std::clamp<std::size_t>(bytes / (sizeof(double) * header.channels.size()), 1, 65536));
+}
+
+Samples make_block(const RecordHeader& header) {
+  return Samples::Zero(rows_at_once(header), std::ssize(header.channels));
 }
 
 ReadRecordResult read_record(const std::string& path, const ReadOptions& options) {

@@ -54,28 +54,21 @@ bool differ_in_inputs(const RecordHeader& a, const RecordHeader& b) {
   });
 }
 
-/// A record in memory as a file of a set.
+/// A record in memory as a file of a set, which has its samples.
 class RecordInMemory : public RecordReader {
  public:
-  RecordInMemory(const std::string& name, std::shared_ptr<const Record> record)
-      : RecordReader(name), record_(std::move(record)) {
-    if (record_->samples.cols() != std::ssize(record_->header.channels))
+  RecordInMemory(const std::string& name, const Record& record) : RecordReader(name) {
+    if (record.samples.cols() != std::ssize(record.header.channels))
       throw std::invalid_argument(fmt::format("{}: {} columns of samples for {} channels", name,
-                                              record_->samples.cols(),
-                                              record_->header.channels.size()));
-    validate(record_->header);
-    header_ = record_->header;
-    factors_.assign(header_.channels.size(), 1.0);
-    count_ = record_->samples.rows();
+                                              record.samples.cols(),
+                                              record.header.channels.size()));
+    validate(record.header);
+    header_ = record.header;
+    count_ = record.samples.rows();
   }
 
  private:
-  std::int64_t read_values(Eigen::Ref<Samples> block) override {
-    block = record_->samples.middleRows(done_, block.rows());
-    return block.rows();
-  }
-
-  std::shared_ptr<const Record> record_;
+  std::int64_t read_values(Eigen::Ref<Samples> /*block*/) override { return 0; }
 };
 
 /// `is_same(k, before)`. It would count twice in every average.
@@ -108,14 +101,15 @@ RecordSet::RecordSet(std::vector<std::shared_ptr<const Record>> records,
   refuse_repeated(files_,
                   [&](std::size_t k, std::size_t before) { return records[k] == records[before]; });
   for (std::size_t k = 0; k < records.size(); ++k) {
-    auto reader = std::make_unique<RecordInMemory>(files_[k], std::move(records[k]));
+    auto reader = std::make_shared<RecordInMemory>(files_[k], *records[k]);
     require_rate(files_[k], *reader, options);
     add(std::move(reader));
+    kept_[k] = {records[k], &records[k]->samples};
   }
 }
 
 /// The next one of files_.
-void RecordSet::add(std::unique_ptr<RecordReader> reader) {
+void RecordSet::add(std::shared_ptr<RecordReader> reader) {
   const std::string& file = files_[readers_.size()];
   const RecordHeader& own = reader->header();
   const RecordHeader& first = readers_.empty() ? own : header();
@@ -134,9 +128,15 @@ void RecordSet::add(std::unique_ptr<RecordReader> reader) {
   readers_.push_back(std::move(reader));
 }
 
+RecordSet::RecordSet(const RecordSet&) = default;
 RecordSet::RecordSet(RecordSet&&) noexcept = default;
 RecordSet& RecordSet::operator=(RecordSet&&) noexcept = default;
 RecordSet::~RecordSet() = default;
+
+std::optional<RecordSet> RecordSet::of_memory() const {
+  if (std::ranges::any_of(kept_, [](const auto& samples) { return samples == nullptr; })) return {};
+  return RecordSet(*this);
+}
 
 std::optional<RecordFormat> RecordSet::format(std::size_t file) const {
   return readers_.at(file)->format();
@@ -167,33 +167,36 @@ bool RecordSet::keeps() const {
 }
 
 bool RecordSet::stream_file(std::size_t file, const Use& use) {
-  if (kept_[file].rows() > 0) return stream_kept(file, use);
+  if (kept_[file] != nullptr) return stream_kept(file, use);
   RecordReader& reader = *readers_[file];
   reader.rewind();
   Samples block = make_block(reader.header());
-  const bool kept = reader.format() && keeps();
-  Samples all(kept ? *counts_[file] : 0, block.cols());
+  auto all = std::make_shared<Samples>(keeps() ? *counts_[file] : 0, block.cols());
   std::int64_t samples = 0;
   while (const std::int64_t rows = reader.read(block)) {
-    if (samples + rows <= all.rows()) all.middleRows(samples, rows) = block.topRows(rows);
+    if (samples + rows <= all->rows()) all->middleRows(samples, rows) = block.topRows(rows);
     samples += rows;
     blank(file, samples - rows, block.topRows(rows));
     if (!use(file, block.topRows(rows))) return false;
   }
   counts_[file] = samples;
-  if (kept && samples == all.rows()) kept_[file] = std::move(all);
+  if (samples > 0 && samples == all->rows()) kept_[file] = std::move(all);
   return true;
 }
 
-/// In the same blocks as from the file.
+/// In the same blocks as from the file; they are copied where samples of them are missing.
 bool RecordSet::stream_kept(std::size_t file, const Use& use) const {
-  const Samples& all = kept_[file];
-  Samples block = make_block(header(file));
-  for (Eigen::Index at = 0; at < all.rows(); at += block.rows()) {
-    const auto rows = std::min(block.rows(), all.rows() - at);
-    block.topRows(rows) = all.middleRows(at, rows);
-    blank(file, at, block.topRows(rows));
-    if (!use(file, block.topRows(rows))) return false;
+  const Samples& all = *kept_[file];
+  const Eigen::Index at_once = rows_at_once(header(file));
+  Samples copy;
+  for (Eigen::Index at = 0; at < all.rows(); at += at_once) {
+    const auto rows = std::min(at_once, all.rows() - at);
+    const bool is_whole = !misses(file, at, rows);
+    if (!is_whole) {
+      copy = all.middleRows(at, rows);
+      blank(file, at, copy);
+    }
+    if (!(is_whole ? use(file, all.middleRows(at, rows)) : use(file, copy))) return false;
   }
   return true;
 }
@@ -205,6 +208,14 @@ bool RecordSet::stream(const Use& use) {
 }
 
 void RecordSet::take_as_missing(std::vector<Stretch> stretches) { missing_ = std::move(stretches); }
+
+/// Is one of so many rows of the file from `first` on taken as missing?
+bool RecordSet::misses(std::size_t file, std::int64_t first, std::int64_t rows) const {
+  return std::ranges::any_of(missing_, [&](const Stretch& stretch) {
+    return stretch.file == file &&
+           std::max(stretch.begin, first) < std::min(stretch.end, first + rows);
+  });
+}
 
 /// `block`: samples of the file from `first` on.
 void RecordSet::blank(std::size_t file, std::int64_t first, Eigen::Ref<Samples> block) const {

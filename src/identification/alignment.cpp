@@ -10,11 +10,36 @@ namespace hydrapod::identification {
 
 namespace {
 
-bool is_clear(const FrequencyResponses& r, std::size_t line, Index output, Index input,
-              double clear) {
-  const double power = std::norm(r.H[line](output, input));
-  return power > 0.0 && (!r.has_errors() || power > clear * r.variance(line, output, input));
-}
+/// Which responses are above their noise, at each line.
+class Clear {
+ public:
+  Clear(const FrequencyResponses& r, double clear)
+      : outputs_(r.H.front().rows()), inputs_(r.H.front().cols()) {
+    clear_.reserve(r.lines() * static_cast<std::size_t>(outputs_ * inputs_));
+    for (std::size_t k = 0; k < r.lines(); ++k)
+      for (Index o = 0; o < outputs_; ++o)
+        for (Index i = 0; i < inputs_; ++i) {
+          const double power = std::norm(r.H[k](o, i));
+          clear_.push_back(power > 0.0 && (!r.has_errors() || power > clear * r.variance(k, o, i)));
+        }
+  }
+  [[nodiscard]] bool operator()(std::size_t line, Index output, Index input) const {
+    return clear_[(line * static_cast<std::size_t>(outputs_) + static_cast<std::size_t>(output)) *
+                      static_cast<std::size_t>(inputs_) +
+                  static_cast<std::size_t>(input)] != 0;
+  }
+  /// The output that has the most of them.
+  [[nodiscard]] Index clearest() const {
+    std::vector<std::size_t> counts(static_cast<std::size_t>(outputs_));
+    for (std::size_t k = 0; k < clear_.size(); ++k)
+      counts[k / static_cast<std::size_t>(inputs_) % counts.size()] += clear_[k] != 0;
+    return std::ranges::max_element(counts) - counts.begin();
+  }
+
+ private:
+  Index outputs_, inputs_;
+  std::vector<char> clear_{};
+};
 
 /// Of an output and a reference, at lines where both are clear.
 struct Comparison {
@@ -22,11 +47,11 @@ struct Comparison {
   std::vector<Complex> z{};
   double size{};
 
-  Comparison(const FrequencyResponses& r, Index output, Index reference, double clear) {
+  Comparison(const FrequencyResponses& r, const Clear& is_clear, Index output, Index reference) {
     for (std::size_t k = 0; k < r.lines(); ++k) {
       Complex sum = 0.0;
       for (Index i = 0; i < r.H[k].cols(); ++i) {
-        if (!is_clear(r, k, output, i, clear) || !is_clear(r, k, reference, i, clear)) continue;
+        if (!is_clear(k, output, i) || !is_clear(k, reference, i)) continue;
         const Complex product = r.H[k](output, i) * std::conj(r.H[k](reference, i));
         sum += product * product / std::norm(product);
       }
@@ -63,21 +88,6 @@ std::optional<double> delay_of(const Comparison& pair, double sample_rate,
   return bend < 0.0 ? best + 0.5 * step * (below - above) / bend : best;
 }
 
-/// The output that has the most clear responses.
-Index clearest(const FrequencyResponses& r, double clear) {
-  Index best = 0;
-  std::size_t most = 0;
-  for (Index o = 0; o < std::ssize(r.outputs); ++o) {
-    std::size_t count = 0;
-    for (std::size_t k = 0; k < r.lines(); ++k)
-      for (Index i = 0; i < r.H[k].cols(); ++i) count += is_clear(r, k, o, i, clear);
-    if (count <= most) continue;
-    most = count;
-    best = o;
-  }
-  return best;
-}
-
 /// The responses without these delays.
 void advance(const VectorXd& delays, FrequencyResponses& r) {
   for (std::size_t k = 0; k < r.lines(); ++k) {
@@ -98,7 +108,8 @@ void advance(const VectorXd& delays, FrequencyResponses& r) {
 
 void align_outputs(FrequencyResponses& r, const AlignmentOptions& options) {
   if (r.whole || r.outputs.size() < 2 || r.lines() == 0 || !(r.sample_rate > 0.0)) return;
-  const Index reference = clearest(r, options.clear);
+  const Clear is_clear(r, options.clear);
+  const Index reference = is_clear.clearest();
   // none: it cannot be told, and the output stays as it is
   std::vector<std::optional<double>> found(r.outputs.size());
   double first = 0.0;
@@ -107,7 +118,7 @@ void align_outputs(FrequencyResponses& r, const AlignmentOptions& options) {
     const auto own = static_cast<Index>(o);
     found[o] = own == reference
                    ? std::optional(0.0)
-                   : delay_of(Comparison(r, own, reference, options.clear), r.sample_rate, options);
+                   : delay_of(Comparison(r, is_clear, own, reference), r.sample_rate, options);
     if (found[o].value_or(0.0) >= first) continue;
     first = *found[o];
     earliest = o;

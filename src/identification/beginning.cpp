@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <utility>
 
 #include "bridge.hpp"
 #include "hydrapod/numerics/fft.hpp"
@@ -15,34 +16,42 @@ Beginning::Beginning(data::RecordSet& records, const ChannelChoice& choice, std:
   for (const int instrument : choice.instruments) samples_[instrument];
 }
 
-VectorXd Beginning::of(int channel) {
+const VectorXd& Beginning::of(int channel) {
   if (!read_) read();
-  const auto& samples = samples_.at(channel);
-  return VectorXd::Map(samples.data(), static_cast<Index>(samples.size()));
+  return samples_.at(channel);
 }
 
 void Beginning::release() {
-  for (auto& [channel, samples] : samples_) samples = std::vector<double>();
+  for (auto& [channel, samples] : samples_) samples = VectorXd();
   read_ = false;
 }
 
 void Beginning::read() {
   constexpr std::int64_t most = 1 << 20;
+  const std::int64_t there = records_.sample_count().value_or(most);
+  for (auto& [channel, samples] : samples_)
+    samples.resize(std::clamp<std::int64_t>(there, 0, most));
   std::int64_t seen = 0, taken = 0;
   whole_ = true;
   records_.stream([&](std::size_t file, const Eigen::Ref<const data::Samples>& block) {
     if (file > 0) return false;
     const Index first = std::clamp<std::int64_t>(settling_ - seen, 0, block.rows()),
                 count = std::min<std::int64_t>(block.rows() - first, most - taken);
+    std::vector<std::pair<Index, double*>> columns;
     for (auto& [channel, samples] : samples_) {
-      samples.resize(static_cast<std::size_t>(taken + count));
-      VectorXd::Map(samples.data() + taken, count) = block.col(channel).segment(first, count);
+      if (samples.size() < taken + count) samples.conservativeResize(most);
+      columns.emplace_back(channel, samples.data() + taken);
+    }
+    for (Index t = first; t < first + count; ++t) {
+      const double* row = block.data() + t * block.outerStride();
+      for (auto& [column, to] : columns) *to++ = row[column];
     }
     seen += block.rows();
     taken += count;
     whole_ = taken < most;
     return whole_;
   });
+  for (auto& [channel, samples] : samples_) samples.conservativeResize(taken);
   read_ = true;
 }
 
@@ -117,7 +126,8 @@ std::optional<Swept> sweep_in(const VectorXd& samples, double sample_rate,
   const auto longest = static_cast<unsigned>(samples.size() / rules.sections);
   if (longest < shortest) return {};
   const auto block = static_cast<int>(std::bit_floor(longest));
-  const MatrixXd power = power_of_sections(bridged(samples), block);
+  const MatrixXd power = samples.allFinite() ? power_of_sections(samples, block)
+                                             : power_of_sections(bridged(samples), block);
   if (!(power.sum() > 0.0) || !power.allFinite()) return {};
   const MatrixXd p = in_equal_bands(power, rules.bands);
   const VectorXd of_time = p.rowwise().sum();

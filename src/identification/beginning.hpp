@@ -17,7 +17,7 @@ class Beginning {
  public:
   /// `records` must live as long.
   Beginning(data::RecordSet& records, const ChannelChoice& choice, std::int64_t settling);
-  VectorXd of(int channel);
+  const VectorXd& of(int channel);
   /// Is that the whole record?
   [[nodiscard]] bool is_whole() const { return whole_; }
   /// Gives the memory back; what is asked for later is read again.
@@ -29,7 +29,7 @@ class Beginning {
   data::RecordSet& records_;
   std::int64_t settling_;
   bool read_{}, whole_{};
-  std::map<int, std::vector<double>> samples_{};
+  std::map<int, VectorXd> samples_{};
 };
 
 /// That of the instruments, where there are records enough for responses from them: in a loop noise

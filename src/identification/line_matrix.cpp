@@ -167,6 +167,29 @@ LineMatrix inverse(LineMatrix A) {
   return B;
 }
 
+LineMatrix explained_powers(LineMatrix S_rr, LineMatrix S_rs) {
+  const Index p = S_rr.rows();
+  LineMatrix powers(1, S_rs.cols());
+  auto definite = SomeLines{} == SomeLines{};
+  for (Index k = 0; k < p; ++k) {  // elimination by columns of L, of S_rs as well
+    SomeLines pivot = S_rr(k, k).re;
+    definite &= pivot > 0.0;
+    pivot = pivot > 0.0 ? pivot : 1.0 + SomeLines{};
+    for (Index j = 0; j < S_rs.cols(); ++j) {
+      const ComplexLines& own = S_rs(k, j);
+      powers(0, j).re += (own.re * own.re + own.im * own.im) / pivot;
+    }
+    for (Index i = k + 1; i < p; ++i) {
+      const ComplexLines minus{-S_rr(i, k).re / pivot, -S_rr(i, k).im / pivot};
+      for (Index j = k + 1; j <= i; ++j) add_product_conjugate(minus, S_rr(j, k), S_rr(i, j));
+      for (Index j = 0; j < S_rs.cols(); ++j) add_product(minus, S_rs(k, j), S_rs(i, j));
+    }
+  }
+  for (Index j = 0; j < powers.cols(); ++j)
+    powers(0, j).re = definite ? powers(0, j).re : SomeLines{};
+  return powers;
+}
+
 void condition(LineMatrix A, SomeLines& result) {
   constexpr int most_sweeps = 20;
   // Convergence is quadratic: after the sweep that began with such angles they are below rounding.

@@ -76,6 +76,10 @@ LineMatrix adjoint(const LineMatrix& A);
 /// A⁻¹ by elimination with partial pivoting. Whether A can be inverted is not checked.
 LineMatrix inverse(LineMatrix A);
 
+/// Of S, Hermitian, and S_rs: |L⁻¹ S_rs|² of each column, S_rr = L Lᴴ, added up over rows; zero in
+/// lines whose S_rr is not positive definite. One real row.
+LineMatrix explained_powers(LineMatrix S_rr, LineMatrix S_rs);
+
 /// Largest singular value by the smallest, of each line, by one-sided Jacobi rotations. Source:
 /// J. Demmel, K. Veselić, SIAM J. Matrix Anal. Appl. 13 (1992) 1204.
 void condition(LineMatrix A, SomeLines& result);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <iterator>
+#include <utility>
 
 #include "hydrapod/numerics/statistics.hpp"
 #include "names.hpp"
@@ -19,31 +20,42 @@ namespace {
 /// the reading.
 class RowsWithPast {
  public:
-  using Use = std::function<bool(std::size_t file, std::int64_t first, const Rows& rows)>;
+  using Use =
+      std::function<bool(std::size_t file, std::int64_t first, const Eigen::Ref<const Rows>& rows)>;
   RowsWithPast(std::vector<Index> columns, Index order)
       : columns_(std::move(columns)), order_(order) {}
 
   void stream(data::RecordSet& records, const Use& use) const {
-    Rows rows;
+    Rows rows(0, std::ssize(columns_));
+    Index filled = 0;  // rows
     std::size_t current = 0;
     std::int64_t next = 0;  // row of the file
     records.stream([&](std::size_t file, const Eigen::Ref<const data::Samples>& block) {
       const bool begins = file != current || next == 0;
-      const Index kept = begins ? 0 : std::min(order_, rows.rows());
-      Rows all(kept + block.rows(), std::ssize(columns_));
-      all.topRows(kept) = rows.bottomRows(kept);
-      for (std::size_t c = 0; c < columns_.size(); ++c)
-        all.col(static_cast<Index>(c)).tail(block.rows()) = block.col(columns_[c]);
-      rows = std::move(all);
+      const Index kept = begins ? 0 : std::min(order_, filled);
+      const Rows past = rows.middleRows(filled - kept, kept);
+      filled = kept + block.rows();
+      if (rows.rows() < filled) rows.resize(filled, rows.cols());
+      rows.topRows(kept) = past;
+      copy_columns(block, rows.data() + kept * rows.cols());
       if (begins) next = 0;
       current = file;
-      const bool goes_on = rows.rows() <= order_ || use(file, next - kept + order_, rows);
+      const bool goes_on =
+          filled <= order_ || use(file, next - kept + order_, rows.topRows(filled));
       next += block.rows();
       return goes_on;
     });
   }
 
  private:
+  /// Row by row: neighbours come from the cache together.
+  void copy_columns(const Eigen::Ref<const data::Samples>& block, double* to) const {
+    for (Index t = 0; t < block.rows(); ++t) {
+      const double* from = block.data() + t * block.outerStride();
+      for (const Index c : columns_) *to++ = from[c];
+    }
+  }
+
   std::vector<Index> columns_;
   Index order_;
 };
@@ -51,11 +63,14 @@ class RowsWithPast {
 /// e = y − A (past of all channels, r now), and its deviations. Columns hold the past, r and y.
 class OneStep {
  public:
-  OneStep(const MatrixXd& samples, Index outputs, double outlier)
+  OneStep(const Eigen::Ref<const MatrixXd>& samples, Index outputs, double outlier)
       : past_(samples.rows() - outputs), outputs_(outputs) {
-    mean_ = samples.rowwise().mean();
-    scale_ = (samples.colwise() - mean_).rowwise().norm() /
-             std::sqrt(static_cast<double>(samples.cols()));
+    const auto count = static_cast<double>(samples.cols());
+    mean_ = VectorXd::Zero(samples.rows());  // sums go along the columns, as the memory does
+    for (const auto& column : samples.colwise()) mean_ += column / count;
+    scale_ = VectorXd::Zero(samples.rows());
+    for (const auto& column : samples.colwise()) scale_ += (column - mean_).cwiseAbs2();
+    scale_ = (scale_ / count).cwiseSqrt();
     scale_ = scale_.unaryExpr([](double s) { return s > 0.0 ? 1.0 / s : 0.0; });
     MatrixXd x = scale_.asDiagonal() * (samples.colwise() - mean_);
     fit(x);
@@ -76,10 +91,24 @@ class OneStep {
     of_samples_ = deviation_.cwiseInverse().asDiagonal() * of_samples_ * scale_.asDiagonal();
     of_mean_ = of_samples_ * mean_;
   }
-  /// |e| by its deviation, a column per column of samples.
-  [[nodiscard]] MatrixXd errors(const Eigen::Ref<const MatrixXd>& samples) const {
-    MatrixXd e = of_samples_ * samples;
-    e.colwise() -= of_mean_;
+  /// |e| of the first `outputs` by its deviation, a column per row of `rows` that has its past.
+  [[nodiscard]] MatrixXd errors(const Eigen::Ref<const Rows>& rows, Index outputs) const {
+    const MatrixXd A = of_samples_.topRows(outputs);
+    const Index order = A.cols() / rows.cols() - 1, count = rows.rows() - order,
+                paired = count / four * four;
+    MatrixXd e(outputs, count);
+    MatrixXd::Map(e.data(), four * outputs, count / four).noalias() =
+        side_by_side(A, rows.cols()) *
+        steps(rows, A.cols() + (four - 1) * rows.cols(), count / four);
+    const auto one_by_one = [&](Index first, Index last) {
+      for (Index k = first; k < last; ++k)
+        e.col(k) = A * VectorXd::Map(rows.data() + k * rows.cols(), A.cols());
+    };
+    // what is missing beside a row is none of its errors
+    for (Index t = 0; t < paired; t += four)
+      if (!std::isfinite(e.middleCols(t, four).sum())) one_by_one(t, t + four);
+    one_by_one(paired, count);
+    e.colwise() -= of_mean_.head(outputs);
     return e.cwiseAbs();
   }
 
@@ -102,30 +131,48 @@ class OneStep {
     }
   }
 
+  /// Four rows are predicted at a time, from what is before any of them: a product of few rows
+  /// leaves most of a processor's registers empty.
+  static constexpr Index four = 4;
+  static MatrixXd side_by_side(const MatrixXd& A, Index D) {
+    MatrixXd all = MatrixXd::Zero(four * A.rows(), A.cols() + (four - 1) * D);
+    for (Index k = 0; k < four; ++k) all.block(k * A.rows(), k * D, A.rows(), A.cols()) = A;
+    return all;
+  }
+  /// So many columns of `length` numbers, which begin at every fourth row.
+  static Eigen::Map<const MatrixXd, 0, Eigen::OuterStride<>> steps(
+      const Eigen::Ref<const Rows>& rows, Index length, Index columns) {
+    return {rows.data(), length, columns, Eigen::OuterStride<>(four * rows.cols())};
+  }
+
   Index past_, outputs_;
   VectorXd mean_{}, scale_{}, deviation_{}, of_mean_{};
   MatrixXd A_{}, of_samples_{};
 };
 
-/// Rows that are whole with their past, a column each, evenly over the first ones of `total`.
-MatrixXd rows_to_fit(data::RecordSet& records, const RowsWithPast& with_past, Index order,
-                     Index length, std::int64_t total, const LostRowsOptions& options) {
+/// Rows that are whole with their past, `length` numbers each, evenly over the first ones of
+/// `total`.
+std::vector<double> rows_to_fit(data::RecordSet& records, const RowsWithPast& with_past,
+                                Index order, Index length, std::int64_t total,
+                                const LostRowsOptions& options) {
   const std::int64_t looked_at = std::min(total, options.fit_within),
                      step = std::max<std::int64_t>(1, looked_at / options.fit_rows);
   std::int64_t read = 0;
-  std::vector<VectorXd> kept;
-  with_past.stream(records, [&](std::size_t, std::int64_t first, const Rows& rows) {
-    const std::int64_t before = (first + step - 1) / step * step - first;
-    for (Index t = order + before; t < rows.rows(); t += step) {
-      const auto own = VectorXd::Map(&rows(t - order, 0), length);
-      if (own.allFinite()) kept.emplace_back(own);
-    }
-    read += rows.rows() - order;
-    return read < looked_at;
-  });
-  MatrixXd all(length, std::ssize(kept));
-  for (std::size_t k = 0; k < kept.size(); ++k) all.col(static_cast<Index>(k)) = kept[k];
-  return all;
+  std::vector<double> kept;
+  kept.reserve(
+      static_cast<std::size_t>(std::min<std::int64_t>(looked_at, options.fit_rows + 1) * length));
+  with_past.stream(records,
+                   [&](std::size_t, std::int64_t first, const Eigen::Ref<const Rows>& rows) {
+                     const std::int64_t before = (first + step - 1) / step * step - first;
+                     for (Index t = order + before; t < rows.rows(); t += step) {
+                       const double* own = rows.data() + (t - order) * rows.cols();
+                       if (VectorXd::Map(own, length).allFinite())
+                         kept.insert(kept.end(), own, own + length);
+                     }
+                     read += rows.rows() - order;
+                     return read < looked_at;
+                   });
+  return kept;
 }
 
 /// Do all channels, the last rows, move for most of the time?
@@ -165,13 +212,19 @@ Columns columns_of(const Reading& reading, Index most_outputs) {
 /// Where most outputs do not go on from where they were, in rows that come in their order.
 class Places {
  public:
-  Places(Index order, const LostRowsOptions& options) : order_(order), options_(options) {}
+  Places(Index outputs, Index order, const LostRowsOptions& options)
+      : outputs_(outputs), order_(order), options_(options) {}
+  /// At a place one of so many outputs stands out, whichever they are.
+  [[nodiscard]] Index enough() const { return half() + 1; }
+  [[nodiscard]] bool is_quiet(const MatrixXd& e) const {
+    return !(e.array() > options_.quiet).any();
+  }
   /// use(t) at each place. `e`: by deviations, of the rows from `first` on of the file.
   template <class Use>
   void look(std::size_t file, std::int64_t first, MatrixXd e, const Use& use) {
     if (file != file_) last_ = -1 - order_;
     file_ = file;
-    const Index outputs = e.rows(), half = outputs - 1 - outputs / 2;
+    if (is_quiet(e)) return;
     for (Index k = 0; k < e.cols(); ++k) {
       auto own = e.col(k);
       if (!(own.maxCoeff() > options_.quiet)) continue;
@@ -179,13 +232,15 @@ class Places {
       const bool begins = t - last_ > order_;
       last_ = t;
       if (!begins) continue;
-      std::ranges::nth_element(own, own.begin() + half);
-      if (own[half] > options_.stands_out) use(t);
+      std::ranges::nth_element(own, own.begin() + half());
+      if (own[half()] > options_.stands_out) use(t);
     }
   }
 
  private:
-  Index order_;
+  [[nodiscard]] Index half() const { return outputs_ - 1 - outputs_ / 2; }
+
+  Index outputs_, order_;
   const LostRowsOptions& options_;
   std::size_t file_{};
   std::int64_t last_{-1 - order_};  // row of the file with an error that is not quiet
@@ -194,7 +249,8 @@ class Places {
 }  // namespace
 
 LostRows find_lost_rows(data::RecordSet& records, const Reading& reading,
-                        const LostRowsOptions& options) {
+                        const LostRowsOptions& options, const std::atomic<bool>* stop) {
+  const auto stopped = [&] { return stop != nullptr && stop->load(std::memory_order_relaxed); };
   if (reading.inputs_cut_off) return {};
   const Columns columns = columns_of(reading, options.most_outputs);
   const Index D = std::ssize(columns.all), outputs = columns.outputs,
@@ -204,8 +260,9 @@ LostRows find_lost_rows(data::RecordSet& records, const Reading& reading,
   if (outputs < 2 || order < 2 || reading.total < options.fewest_per_coefficient * length)
     return {};
   const RowsWithPast with_past(columns.all, order);
-  const MatrixXd some = rows_to_fit(records, with_past, order, length, reading.total, options);
-  if (some.cols() < options.fewest_per_coefficient * length ||
+  const auto kept = rows_to_fit(records, with_past, order, length, reading.total, options);
+  const Eigen::Map<const MatrixXd> some(kept.data(), length, std::ssize(kept) / length);
+  if (some.cols() < options.fewest_per_coefficient * length || stopped() ||
       !all_move(some.bottomRows(D), options.moves))
     return {};
   const OneStep model(some, outputs, options.outlier);
@@ -213,25 +270,55 @@ LostRows find_lost_rows(data::RecordSet& records, const Reading& reading,
   const auto out =
       static_cast<std::int64_t>((reading.spectrum.periodic ? 1.0 : options.of_block) * block) + 1;
   LostRows lost;
-  Places places(order, options);
-  with_past.stream(records, [&](std::size_t file, std::int64_t first, const Rows& rows) {
-    constexpr Index at_once = 1024;
-    for (Index from = order; from < rows.rows(); from += at_once) {
-      const Index count = std::min(at_once, rows.rows() - from);
-      const Eigen::Map<const MatrixXd, 0, Eigen::OuterStride<>> samples(
-          &rows(from - order, 0), length, count, Eigen::OuterStride<>(D));
-      places.look(file, first + from - order, model.errors(samples), [&](std::int64_t t) {
-        if (lost.places++ == 0) {
-          lost.file = file;
-          lost.first = t;
-        }
-        for (const std::size_t c : reading.used) lost.stretches.push_back({file, c, t, t + out});
-      });
+  Places places(outputs, order, options);
+  const auto take = [&](std::size_t file, std::int64_t t) {
+    if (lost.places++ == 0) {
+      lost.file = file;
+      lost.first = t;
     }
-    return true;
-  });
+    for (const std::size_t c : reading.used) lost.stretches.push_back({file, c, t, t + out});
+  };
+  with_past.stream(records,
+                   [&](std::size_t file, std::int64_t first, const Eigen::Ref<const Rows>& rows) {
+                     constexpr Index at_once = 1024;
+                     for (Index from = order; from < rows.rows(); from += at_once) {
+                       Index count = std::min(at_once, rows.rows() - from), begin = from;
+                       const auto errors = [&](Index of) {
+                         return model.errors(rows.middleRows(begin - order, order + count), of);
+                       };
+                       // then none of these rows is a place, and the last ones tell of what comes
+                       if (places.is_quiet(errors(places.enough()))) {
+                         begin += std::max<Index>(0, count - order);
+                         count = std::min(count, order);
+                       }
+                       places.look(file, first + begin - order, errors(outputs),
+                                   [&](std::int64_t t) { take(file, t); });
+                     }
+                     return !stopped();
+                   });
   if (lost.places * options.each > reading.total) return {};
   return lost;
+}
+
+LostRowsSearch::LostRowsSearch(const data::RecordSet& records, const Reading& reading)
+    : missing_(records.taken_as_missing()) {
+  if (!is_worth_a_thread(reading)) return;
+  auto own = records.of_memory();
+  if (!own) return;
+  found_ = std::async(std::launch::async, [this, reading, set = std::move(*own)]() mutable {
+    return find_lost_rows(set, reading, {}, &stop_);
+  });
+}
+
+LostRowsSearch::~LostRowsSearch() {
+  stop_ = true;  // the future waits for its end
+}
+
+LostRows LostRowsSearch::result(data::RecordSet& records, const Reading& reading) {
+  if (!found_.valid() || records.taken_as_missing() != missing_)
+    return find_lost_rows(records, reading);
+  auto found = found_.get();
+  return reading.inputs_cut_off ? LostRows{} : found;
 }
 
 namespace {

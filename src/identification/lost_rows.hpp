@@ -17,7 +17,9 @@
 /// blocks that contain it are left out. Where the excitation is periodic the machine needs a period
 /// more to follow it.
 
+#include <atomic>
 #include <cstdint>
+#include <future>
 #include <optional>
 #include <vector>
 
@@ -63,9 +65,29 @@ struct LostRows {
   std::int64_t first{};  ///< its sample
 };
 
-/// Not where an input reached the limit of its range, as what it did then is not known.
+/// Not where an input reached the limit of its range, as what it did then is not known. What it
+/// finds after `stop` became true is nothing.
 LostRows find_lost_rows(data::RecordSet& records, const Reading& reading,
-                        const LostRowsOptions& options = {});
+                        const LostRowsOptions& options = {},
+                        const std::atomic<bool>* stop = nullptr);
+
+/// The same on a thread of its own, where the samples are in memory: it needs the reading alone,
+/// and the spectra are formed meanwhile.
+class LostRowsSearch {
+ public:
+  LostRowsSearch(const data::RecordSet& records, const Reading& reading);
+  ~LostRowsSearch();
+  LostRowsSearch(const LostRowsSearch&) = delete;
+  LostRowsSearch& operator=(const LostRowsSearch&) = delete;
+  /// Once. It is looked for here where it was not, or where other samples are missing by now.
+  /// `reading`: the same, with what was found since.
+  LostRows result(data::RecordSet& records, const Reading& reading);
+
+ private:
+  std::vector<data::RecordSet::Stretch> missing_;
+  std::atomic<bool> stop_{};
+  std::future<LostRows> found_{};  // last: it is waited for before the others end
+};
 
 /// `rest`: what was measured without them, if that can be. `measured` gets the warning, and is
 /// `rest` where that has blocks enough.

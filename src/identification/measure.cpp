@@ -87,7 +87,8 @@ void refuse_averages(const MeasureOptions& options, const char* why) {
 struct Attempt {
   Measurement measured{};
   bool is_suspicious{};
-  std::shared_ptr<const Reading> reading{};  ///< none: hits
+  std::shared_ptr<const Reading> reading{};     ///< none: hits
+  std::unique_ptr<LostRowsSearch> lost_rows{};  ///< none: hits, or they are left out
 };
 
 /// What is taken as missing before the records are read.
@@ -102,6 +103,11 @@ struct Faults {
   }
 };
 
+std::unique_ptr<LostRowsSearch> search_beside(const Faults& faults, const data::RecordSet& records,
+                                              const Reading& reading) {
+  return faults.lost_rows.empty() ? std::make_unique<LostRowsSearch>(records, reading) : nullptr;
+}
+
 Attempt responses_without(const Faults& faults, data::RecordSet& records,
                           const MeasureOptions& options, const numerics::Progress& progress) {
   Measurement m{.header = records.header()};
@@ -114,6 +120,7 @@ Attempt responses_without(const Faults& faults, data::RecordSet& records,
   }
   const Plan planned = plan;
   Reading reading = plan_reading(records, plan, options, beginning);
+  auto lost_rows = search_beside(faults, records, reading);
   read_spectra(records, reading, progress, m);
   if (plan.estimator == Estimator::h1 && !m.interrupted)
     refuse_roving(records, m.spectra, reading.used, plan.choice);
@@ -122,6 +129,7 @@ Attempt responses_without(const Faults& faults, data::RecordSet& records,
     MeasureOptions own = options;
     own.period = 0.0;
     reading = plan_reading(records, plan, own, beginning);
+    lost_rows = search_beside(faults, records, reading);
     read_spectra(records, reading, {}, m);
   }
   const bool is_suspicious = may_have_spikes(m.spectra);
@@ -134,7 +142,7 @@ Attempt responses_without(const Faults& faults, data::RecordSet& records,
     if (keep_short_record(records, reading, *blocks, options, changes, plan.choice, m)) {
       m.choice = std::move(plan.choice);
       const auto shared = m.reading = std::make_shared<const Reading>(std::move(reading));
-      return {std::move(m), is_suspicious, shared};
+      return {std::move(m), is_suspicious, shared, std::move(lost_rows)};
     }
   }
   if (!m.interrupted)
@@ -149,7 +157,7 @@ Attempt responses_without(const Faults& faults, data::RecordSet& records,
   compare_with_instrument(plan, m);
   m.choice = std::move(plan.choice);
   const auto shared = m.reading = std::make_shared<const Reading>(std::move(reading));
-  return {std::move(m), is_suspicious, shared};
+  return {std::move(m), is_suspicious, shared, std::move(lost_rows)};
 }
 
 Attempt outputs_without(const Faults& faults, data::RecordSet& records,
@@ -161,6 +169,7 @@ Attempt outputs_without(const Faults& faults, data::RecordSet& records,
   own.period = 0.0;
   Beginning beginning(records, plan.choice, settling_samples(records, options));
   Reading reading = plan_reading(records, plan, own, beginning);
+  auto lost_rows = search_beside(faults, records, reading);
   read_spectra(records, reading, progress, m);
   const bool is_suspicious = may_have_spikes(m.spectra);
   HalfSpectraOptions half;
@@ -171,16 +180,17 @@ Attempt outputs_without(const Faults& faults, data::RecordSet& records,
   const auto earlier = std::move(m.responses.warnings);
   m.responses = half_spectra(m.spectra, plan.choice.outputs, half);
   m.responses.warnings.insert(m.responses.warnings.begin(), earlier.begin(), earlier.end());
-  return {std::move(m), is_suspicious, std::make_shared<const Reading>(std::move(reading))};
+  return {std::move(m), is_suspicious, std::make_shared<const Reading>(std::move(reading)),
+          std::move(lost_rows)};
 }
 
 /// Once more without the places where rows were lost, if there are some.
 template <class Measure>
 void leave_out_lost_rows(data::RecordSet& records, const Measure& measure, Faults faults,
-                         const Reading* reading, Measurement& m) {
-  if (reading == nullptr || m.interrupted) return;
+                         const Attempt& attempt, Measurement& m) {
+  if (attempt.lost_rows == nullptr || m.interrupted) return;
   const auto before = records.taken_as_missing();
-  const auto lost = find_lost_rows(records, *reading);
+  const auto lost = attempt.lost_rows->result(records, *attempt.reading);
   if (lost.places == 0) return;
   faults.lost_rows = lost.stretches;
   std::optional<Measurement> rest;
@@ -212,7 +222,7 @@ Measurement without_faults(data::RecordSet& records, Plan plan, const Measure& m
     if (!faults.spikes.empty()) attempt = measure(faults);
   }
   Measurement m = std::move(attempt.measured);
-  leave_out_lost_rows(records, measure, faults, attempt.reading.get(), m);
+  leave_out_lost_rows(records, measure, faults, attempt, m);
   const auto warnings = warnings_of_spikes(faults.spikes, records.header());
   m.responses.warnings.insert(m.responses.warnings.begin(), warnings.begin(), warnings.end());
   return m;

@@ -155,7 +155,7 @@ std::optional<Measurement> measure_hits(data::RecordSet& records, Plan plan,
       options.overlap || options.period || options.settling > 0.0 || options.platform ||
       options.outputs_to_platform || options.window != Window::hann)
     return {};
-  const VectorXd as_read = beginning.of(plan.choice.inputs[0]);
+  const VectorXd& as_read = beginning.of(plan.choice.inputs[0]);
   std::vector<Hum> hum;
   const auto hits = hits_in(without_hum(spikes.empty() ? as_read : bridged(as_read), hum));
   if (hits.empty() || (hits.size() > 1 && excitation_period(records, plan.choice, beginning) > 0))

@@ -3,13 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <future>
 #include <limits>
 
 #include "block_length.hpp"
 #include "groups.hpp"
 #include "held.hpp"
 #include "hydrapod/base/error.hpp"
+#include "hydrapod/numerics/parallel.hpp"
 #include "names.hpp"
 
 namespace hydrapod::identification {
@@ -39,14 +42,21 @@ std::optional<Swept> sweep_of(const data::RecordSet& records, const Plan& plan,
                               Beginning& beginning) {
   const bool loop = plan.estimator == Estimator::instrumental;
   if (plan.estimator != Estimator::h1 && !loop) return {};
-  const double rate = records.header().sample_rate;
+  const auto& channels = loop ? plan.choice.instruments : plan.choice.inputs;
+  std::vector<const VectorXd*> samples;
+  for (const int channel : channels) samples.push_back(&beginning.of(channel));
+  constexpr Index worth_threads = 1 << 16;  // samples: they begin in some 50 µs
+  std::vector<std::optional<Swept>> sweeps(samples.size());
+  numerics::parallel_for(
+      sweeps.size(), samples.front()->size() < worth_threads ? 1 : 0,
+      [&](std::size_t k) { sweeps[k] = sweep_in(*samples[k], records.header().sample_rate); });
   std::optional<Swept> all;
-  for (const int channel : loop ? plan.choice.instruments : plan.choice.inputs) {
-    const auto own = sweep_in(beginning.of(channel), rate);
+  for (const auto& own : sweeps) {
     if (own && all) all = Swept{std::min(all->from, own->from), std::max(all->to, own->to)};
     if (own && !all) all = own;
   }
-  if (all && (records.files().size() > 1 || !beginning.is_whole())) all = Swept{0.0, 0.5 * rate};
+  if (all && (records.files().size() > 1 || !beginning.is_whole()))
+    all = Swept{0.0, 0.5 * records.header().sample_rate};
   return all;
 }
 
@@ -85,6 +95,11 @@ std::vector<Index> corrected_columns(const Reading& reading) {
 }
 
 }  // namespace
+
+bool is_worth_a_thread(const Reading& reading) {
+  constexpr std::int64_t samples = 1 << 17;
+  return reading.spectrum.threads != 1 && reading.total * std::ssize(reading.used) >= samples;
+}
 
 std::int64_t settling_samples(const data::RecordSet& records, const MeasureOptions& options) {
   constexpr double most = 9e15;  // beyond every record, and an integer
@@ -200,6 +215,45 @@ Streamed read_once(data::RecordSet& records, const Reading& reading,
   return streamed;
 }
 
+/// Whether outputs have another clock, by samples that are in memory; none after `stop`.
+std::optional<ClockDifference> clocks_in(data::RecordSet& records, const Reading& reading,
+                                         const std::atomic<bool>& stop) {
+  ClockSearch search(records, reading.used, reading.plan.choice, reading.settling);
+  std::optional<std::size_t> begun;
+  const bool whole =
+      records.stream([&](std::size_t file, const Eigen::Ref<const data::Samples>& block) {
+        if (begun != file) search.begin_record(file);
+        begun = file;
+        search.add(block);
+        return !stop.load(std::memory_order_relaxed);
+      });
+  return whole ? search.result() : std::nullopt;
+}
+
+/// Reads into the estimator and says whether outputs have another clock. Samples in memory are
+/// looked at for that on another thread.
+std::optional<ClockDifference> read_and_compare(SpectrumEstimator& estimator,
+                                                data::RecordSet& records, const Reading& reading,
+                                                const numerics::Progress& progress,
+                                                Measurement& m) {
+  auto own = is_worth_a_thread(reading) ? records.of_memory() : std::nullopt;
+  if (!own) {
+    ClockSearch search(records, reading.used, reading.plan.choice, reading.settling);
+    read_into(estimator, records, reading, progress, m, &search);
+    return m.interrupted ? std::nullopt : search.result();
+  }
+  std::atomic<bool> stop{};
+  auto found = std::async(std::launch::async, [&] { return clocks_in(*own, reading, stop); });
+  try {
+    read_into(estimator, records, reading, progress, m);
+  } catch (...) {
+    stop = true;  // it is waited for
+    throw;
+  }
+  stop = m.interrupted;
+  return found.get();
+}
+
 /// As read_once(), and once more where outputs have another clock than inputs, at one clock.
 void read_at_one_clock(data::RecordSet& records, Reading& reading,
                        const numerics::Progress& progress, Measurement& m) {
@@ -210,11 +264,8 @@ void read_at_one_clock(data::RecordSet& records, Reading& reading,
   }
   {
     SpectrumEstimator estimator(m.header, reading.spectrum, reading.used);
-    {  // the search ends before the spectra are formed: both are large
-      ClockSearch search(records, reading.used, choice, reading.settling);
-      read_into(estimator, records, reading, progress, m, &search);
-      if (!m.interrupted) reading.clocks = search.result();
-    }
+    // the search has ended before the spectra are formed: both are large
+    reading.clocks = read_and_compare(estimator, records, reading, progress, m);
     if (!reading.clocks) {
       m.spectra = estimator.result();
       return;

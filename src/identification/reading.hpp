@@ -31,6 +31,10 @@ struct Reading {
   std::optional<Swept> sweep{};  ///< where the excitation is one: all that the inputs pass
 };
 
+/// Is what needs the samples and not the spectra done sooner on a thread of its own? It begins in
+/// some 50 µs.
+[[nodiscard]] bool is_worth_a_thread(const Reading& reading);
+
 struct Streamed {
   std::int64_t samples{};
   bool whole{};            ///< that is all

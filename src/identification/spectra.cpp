@@ -156,9 +156,9 @@ struct SpectrumEstimator::Implementation {
   std::vector<FourChannels> buffer{};  // samples of so many blocks; channels beyond the last are 0
   Index rows{}, filled{};              // of it
   std::int64_t to_skip{};
-  std::vector<numerics::EightLines> lines{};       // blocks × groups × channels
-  MeansOfBlocks means{};                           // blocks × channels
-  MatrixXd squares{};                              // sums over blocks, samples × inputs
+  std::vector<numerics::EightLines> lines{};  // blocks × groups × channels
+  MeansOfBlocks means{};                      // blocks × channels
+  std::vector<FourChannels> squares{};        // sums over blocks; none for strips without an input
   std::vector<numerics::EightLines> period_sum{};  // of the record that is running
   std::int64_t periods{};
   std::int64_t degrees{};  // Σ (periods − 1) over records
@@ -208,12 +208,15 @@ SpectrumEstimator::SpectrumEstimator(const data::RecordHeader& header,
     me.noise_products = me.products;
   else
     me.record_mean = RecordMean(result.window, static_cast<Index>(chosen.size()), me.ffts[0]);
-  if (!options.periodic) me.squares = MatrixXd::Zero(n, static_cast<Index>(options.inputs.size()));
   const Index width = me.products.width();
   me.blocks_at_once = std::clamp<Index>(most_numbers / (n * width), 1, most_blocks);
   me.rows = n + (me.blocks_at_once - 1) * me.hop;
   me.buffer.assign(static_cast<std::size_t>((width + four - 1) / four),
                    FourChannels::Zero(me.rows, four));
+  if (!options.periodic) me.squares.resize(me.buffer.size());
+  if (!options.periodic)
+    for (const int c : options.inputs)
+      me.squares[static_cast<std::size_t>(c / four)].setZero(n, four);
 }
 
 SpectrumEstimator::~SpectrumEstimator() = default;
@@ -286,11 +289,13 @@ void SpectrumEstimator::Implementation::add_products(Index first_block, Index bl
 }
 
 void SpectrumEstimator::Implementation::add_squares(Index block) {
-  for (Index i = 0; i < squares.cols(); ++i) {
-    const int c = options.inputs[static_cast<std::size_t>(i)];
-    const auto samples = buffer[static_cast<std::size_t>(c / four)].col(c % four).array();
-    squares.col(i).array() +=
-        (samples.segment(block * hop, squares.rows()) - means(block, c)).square();
+  for (std::size_t strip = 0; strip < squares.size(); ++strip) {
+    auto& sums = squares[strip];
+    if (sums.size() == 0) continue;
+    const Eigen::Array4d mean = means.row(block).segment<four>(four * static_cast<Index>(strip));
+    const double* x = buffer[strip].data() + four * block * hop;
+    for (Index t = 0; t < sums.rows(); ++t, x += four)
+      Eigen::Array4d::Map(sums.data() + four * t) += (Eigen::Array4d::Map(x) - mean).square();
   }
 }
 
@@ -400,11 +405,15 @@ void SpectrumEstimator::add(const Eigen::Ref<const data::Samples>& samples) {
 
 namespace {
 
-/// Mean of the columns, each divided by its own mean.
-VectorXd mean_power(const MatrixXd& squares) {
-  VectorXd sum = VectorXd::Zero(squares.cols() > 0 ? squares.rows() : 0);
-  for (const auto& column : squares.colwise())
+/// Mean of the inputs' columns, each divided by its own mean.
+VectorXd mean_power(const std::vector<FourChannels>& squares, const std::vector<int>& inputs) {
+  VectorXd sum;
+  for (const int c : inputs) {
+    if (squares.empty()) break;
+    const auto column = squares[static_cast<std::size_t>(c / four)].col(c % four);
+    if (sum.size() == 0) sum.setZero(column.size());
     if (const double mean = column.mean(); mean > 0.0) sum += column / mean;
+  }
   return sum.size() > 0 && sum.maxCoeff() > 0.0 ? VectorXd(sum / sum.mean()) : VectorXd();
 }
 
@@ -429,7 +438,7 @@ CrossSpectra SpectrumEstimator::result() {
   if (me.options.periodic)
     me.noise_products.unpack(scale / std::max(1.0, static_cast<double>(me.degrees)),
                              result.noise_re, result.noise_im);
-  result.input_power = mean_power(me.squares);
+  result.input_power = mean_power(me.squares, me.options.inputs);
   if (result.blocks > 0)
     result.statistics = average_statistics(result.window, me.hop, result.blocks);
   return result;

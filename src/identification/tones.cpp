@@ -1,11 +1,11 @@
 #include "tones.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 
 #include "hydrapod/numerics/statistics.hpp"
+#include "some_spectra.hpp"
 #include "tone_fit.hpp"
 
 namespace hydrapod::identification {
@@ -29,16 +29,22 @@ MatrixXd unexplained_powers(const CrossSpectra& spectra, const std::vector<int>&
   for (int c = 0; c < q; ++c)
     if (std::ranges::find(references, c) == references.end()) others.push_back(c);
   MatrixXd power(spectra.lines(), q);
-  for (Index k = 0; k < spectra.lines(); ++k) {
-    const MatrixXcd S = spectra.at(k);
-    power.row(k) = S.diagonal().real().transpose();
-    const Eigen::LLT<MatrixXcd> root(S(references, references));
-    if (references.empty() || root.info() != Eigen::Success) continue;
-    const MatrixXcd explained = root.matrixL().solve(MatrixXcd(S(references, others)));
-    for (Index o = 0; o < explained.cols(); ++o) {
-      auto& own = power(k, others[static_cast<std::size_t>(o)]);
-      own = std::max(own - explained.col(o).squaredNorm(), 1e-12 * own);
-    }
+  for (Index c = 0; c < q; ++c) power.col(c) = spectra.re.col(c * (c + 3) / 2);
+  if (references.empty()) return power;
+  for (Index first = 0; first < spectra.lines(); first += together) {
+    Lines lines{};
+    for (int k = 0; k < together; ++k)
+      lines[static_cast<std::size_t>(k)] = std::min(first + k, spectra.lines() - 1);
+    const SomeSpectra S(spectra.re, spectra.im, lines);
+    const auto explained =
+        explained_powers(S.part(references, references), S.part(references, others));
+    for (std::size_t o = 0; o < others.size(); ++o)
+      for (int k = 0; k < together; ++k) {
+        auto& own = power(lines[static_cast<std::size_t>(k)], others[o]);
+        const double all =
+            spectra.re(lines[static_cast<std::size_t>(k)], others[o] * (others[o] + 3) / 2);
+        own = std::max(all - explained(0, static_cast<Index>(o)).re[k], 1e-12 * all);
+      }
   }
   return power;
 }

@@ -16,13 +16,26 @@ namespace {
 struct PartPlan {
   int block{};        // [samples]
   Index together{1};  // blocks of a part
+  Index parts{};      // of the longest record
   std::vector<Index> lines{};
   double duration{};  // [s] of the longest record
 };
 
-/// Cross spectra of one record in parts: rows are entries (output, then input), a column per line.
+/// Cross spectra of one record in parts: for each line a matrix of entries (output, then input) by
+/// parts.
 struct Parts {
-  std::vector<MatrixXcd> C{};
+  std::vector<MatrixXcd> lines{};  // columns from `count` on are not filled yet
+  Index count{};
+
+  /// Entries × lines of the next part; `most`: there are no more.
+  void add(const MatrixXcd& part, Index most) {
+    if (lines.empty())
+      lines.assign(static_cast<std::size_t>(part.cols()), MatrixXcd(part.rows(), most));
+    for (Index k = 0; k < part.cols(); ++k)
+      lines[static_cast<std::size_t>(k)].col(count) = part.col(k);
+    ++count;
+  }
+  [[nodiscard]] auto of(std::size_t line) const { return lines[line].leftCols(count); }
 };
 
 std::optional<PartPlan> plan_parts(data::RecordSet& records, std::int64_t settling,
@@ -40,6 +53,7 @@ std::optional<PartPlan> plan_parts(data::RecordSet& records, std::int64_t settli
   plan.duration = static_cast<double>(longest) / rate;
   const Index blocks = static_cast<Index>(longest / plan.block);
   plan.together = (blocks + options.most_parts - 1) / options.most_parts;
+  plan.parts = blocks / plan.together;
   // within a part phases turn little; above, what recorders filter
   const double part = static_cast<double>(plan.together * plan.block);
   constexpr double pass_band = 0.4;                                         // of the sample rate
@@ -102,7 +116,7 @@ class PartsOfRecords {
     in_part_ = 0;
     const MatrixXd root = S_uu_.cwiseMax(1e-300).cwiseSqrt();
     for (Index o = 0; o < q; ++o) S_yu_.middleRows(o * p, p).array() /= root.array();
-    parts_[record_].C.push_back(S_yu_);
+    parts_[record_].add(S_yu_, plan_.parts);
   }
 
   void transform(const Eigen::RowVectorXd& mean) {
@@ -147,12 +161,14 @@ class ClockLikelihood {
       : records_(records), spacing_(static_cast<double>(plan.together * plan.block) / rate) {
     for (const Index k : plan.lines)
       omega_.push_back(two_pi * static_cast<double>(k) * rate / plan.block);
-    for (const auto& record : records)
-      for (const auto& C : record.C) {
-        if (power_.size() == 0) power_.setZero(C.rows(), C.cols());
-        power_ += C.cwiseAbs2();
-        count_ += 1.0;
-      }
+    for (const auto& record : records) {
+      if (record.count == 0) continue;
+      if (power_.size() == 0)
+        power_.setZero(record.of(0).rows(), static_cast<Index>(omega_.size()));
+      for (std::size_t k = 0; k < omega_.size(); ++k)
+        power_.col(static_cast<Index>(k)) += record.of(k).cwiseAbs2().rowwise().sum();
+      count_ += static_cast<double>(record.count);
+    }
   }
   [[nodiscard]] double parts() const { return count_; }
   [[nodiscard]] double highest() const { return omega_.back(); }
@@ -164,13 +180,14 @@ class ClockLikelihood {
     Rows rho(total.size(), power_.rows());
     std::vector<numerics::SeriesFft> transforms;
     for (const auto& record : records_)
-      transforms.emplace_back(static_cast<int>(finer * std::bit_ceil(record.C.size())));
+      transforms.emplace_back(
+          static_cast<int>(finer * std::bit_ceil(static_cast<std::size_t>(record.count))));
     for (std::size_t k = 0; k < omega_.size(); ++k) {
       const auto line = static_cast<Index>(k);
       rho.setZero();
       for (std::size_t r = 0; r < records_.size(); ++r)
-        if (!records_[r].C.empty())
-          add_at_steps(records_[r], line, omega_[k] * step * spacing_, transforms[r], rho);
+        if (records_[r].count > 0)
+          add_at_steps(records_[r], k, omega_[k] * step * spacing_, transforms[r], rho);
       rho.rowwise() /= power_.col(line).cwiseMax(1e-300).transpose().array();
       total -= count_ * (1.0 - rho.min(1.0 - 1e-9)).rowwise().prod().log().matrix();
     }
@@ -179,17 +196,16 @@ class ClockLikelihood {
   [[nodiscard]] Eigen::ArrayXXd operator()(double ratio) const {
     Eigen::ArrayXXd rho = Eigen::ArrayXXd::Zero(power_.rows(), power_.cols());
     for (const auto& record : records_) {  // delays between recorders begin anew
-      MatrixXcd sum = MatrixXcd::Zero(power_.rows(), power_.cols());
+      if (record.count == 0) continue;
+      VectorXcd phases(record.count);
       for (std::size_t k = 0; k < omega_.size(); ++k) {
         const Complex turn = std::polar(1.0, omega_[k] * ratio * spacing_);
-        Complex phase = 1.0;
-        const auto column = static_cast<Index>(k);
-        for (const auto& C : record.C) {
-          sum.col(column) += phase * C.col(column);
-          phase *= turn;
-        }
+        phases[0] = 1.0;
+        for (Index g = 1; g < phases.size(); ++g) phases[g] = phases[g - 1] * turn;
+        const VectorXcd sum = record.of(k) * phases;
+        rho.col(static_cast<Index>(k)) +=
+            sum.cwiseAbs2().array() / static_cast<double>(record.count);
       }
-      rho += sum.cwiseAbs2().array() / std::max(1.0, static_cast<double>(record.C.size()));
     }
     rho /= power_.array().max(1e-300);
     return -count_ * (1.0 - rho.min(1.0 - 1e-9)).log();
@@ -198,38 +214,50 @@ class ClockLikelihood {
   /// was turned round is no clock.
   [[nodiscard]] Eigen::ArrayXXd turned_once() const {
     Eigen::ArrayXXd rho = Eigen::ArrayXXd::Zero(power_.rows(), power_.cols());
-    for (const auto& record : records_) {
-      if (record.C.empty()) continue;
-      MatrixXcd sum = MatrixXcd::Zero(power_.rows(), power_.cols());
-      for (const auto& C : record.C) sum += C;
-      Eigen::ArrayXXd best = sum.cwiseAbs2();
-      for (const auto& C : record.C) {
-        sum -= 2.0 * C;
-        const Eigen::ArrayXXd turned = sum.cwiseAbs2();
-        for (Index e = 0; e < best.rows(); ++e)
-          if (weighted(turned, e) > weighted(best, e)) best.row(e) = turned.row(e);
-      }
-      rho += best / static_cast<double>(record.C.size());
-    }
+    for (const auto& record : records_)
+      if (record.count > 0) rho += turned_once(record) / static_cast<double>(record.count);
     rho /= power_.array().max(1e-300);
     return -count_ * (1.0 - rho.min(1.0 - 1e-9)).log();
   }
 
  private:
-  /// Of an entry over lines, each by its power.
-  [[nodiscard]] double weighted(const Eigen::ArrayXXd& squares, Index entry) const {
-    return (squares.row(entry) / power_.row(entry).array().max(1e-300)).sum();
+  /// |Σ_g ±C_g|² of each entry with the sign turned behind that part where its sum over lines, each
+  /// by its power, is largest; behind the last one is not at all.
+  [[nodiscard]] Eigen::ArrayXXd turned_once(const Parts& record) const {
+    const auto squares = [&](std::size_t k, const auto& take) {
+      VectorXcd sum = record.of(k).rowwise().sum();
+      take(record.count - 1, sum.cwiseAbs2());
+      for (Index g = 0; g + 1 < record.count; ++g) {
+        sum -= 2.0 * record.of(k).col(g);
+        take(g, sum.cwiseAbs2());
+      }
+    };
+    Eigen::ArrayXXd weighted = Eigen::ArrayXXd::Zero(power_.rows(), record.count), best = power_;
+    for (std::size_t k = 0; k < omega_.size(); ++k) {
+      const Eigen::ArrayXd weight = power_.col(static_cast<Index>(k)).array().max(1e-300).inverse();
+      squares(k, [&](Index g, const auto& own) { weighted.col(g) += weight * own.array(); });
+    }
+    std::vector<Index> where(static_cast<std::size_t>(power_.rows()), record.count - 1);
+    for (Index e = 0; e < power_.rows(); ++e)
+      for (Index g = 0; g + 1 < record.count; ++g) {
+        auto& own = where[static_cast<std::size_t>(e)];
+        if (weighted(e, g) > weighted(e, own)) own = g;
+      }
+    for (std::size_t k = 0; k < omega_.size(); ++k)
+      squares(k, [&](Index g, const auto& own) {
+        for (Index e = 0; e < power_.rows(); ++e)
+          if (where[static_cast<std::size_t>(e)] == g) best(e, static_cast<Index>(k)) = own[e];
+      });
+    return best;
   }
 
   using Rows = Eigen::Array<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   static constexpr std::size_t finer = 8;
 
   /// |Σ_g C_g e^(iθg)|²/G of all entries at θ = k · `turn`, a row each.
-  static void add_at_steps(const Parts& record, Index line, double turn,
+  static void add_at_steps(const Parts& record, std::size_t line, double turn,
                            numerics::SeriesFft& transform, Rows& rho) {
-    MatrixXcd series(std::ssize(record.C), rho.cols());  // of C*, whose sums turn the other way
-    for (Index g = 0; g < series.rows(); ++g)
-      series.row(g) = record.C[static_cast<std::size_t>(g)].col(line).adjoint();
+    const MatrixXcd series = record.of(line).adjoint();  // of C*, whose sums turn the other way
     const auto powers = transform.powers(series);
     const Index count = powers.rows(), steps = rho.rows() / 2;
     const auto power = [&](Index t) { return powers.row((t % count + count) % count).array(); };
@@ -262,11 +290,13 @@ double gain_of_others(const Eigen::RowVectorXd& by_line) {
 /// Of some entries, for steps of ε: as many as `most`, evenly.
 std::vector<Parts> some_entries(const std::vector<Parts>& all, Index most) {
   std::vector<Parts> some(all.size());
-  for (std::size_t r = 0; r < all.size(); ++r)
-    for (const auto& C : all[r].C) {
-      const Index stride = (C.rows() + most - 1) / most;
-      some[r].C.emplace_back(C(Eigen::seq(0, C.rows() - 1, stride), Eigen::all));
+  for (std::size_t r = 0; r < all.size(); ++r) {
+    some[r].count = all[r].count;
+    for (const auto& line : all[r].lines) {
+      const Index stride = (line.rows() + most - 1) / most;
+      some[r].lines.emplace_back(line(Eigen::seq(0, line.rows() - 1, stride), Eigen::all));
     }
+  }
   return some;
 }
 

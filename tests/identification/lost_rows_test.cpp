@@ -70,6 +70,17 @@ TEST(LostRows, AreSaidAndLeftOut) {
   }
 }
 
+/// Samples that are kept are looked through beside the spectra, others after them.
+TEST(LostRows, AreTheSameOnAThreadOfTheirOwn) {
+  const auto record = without_rows(gapped_record(five_masses(), {}, 4));
+  const auto beside = measured({record}), after = measured({record}, {.most_kept = 0});
+  ASSERT_EQ(said(beside).size(), 1U);
+  ASSERT_EQ(said(after).size(), 1U);
+  EXPECT_EQ(said(beside)[0].count, said(after)[0].count);
+  EXPECT_EQ(said(beside)[0].value, said(after)[0].value);
+  EXPECT_EQ(beside.responses.H, after.responses.H);
+}
+
 TEST(LostRows, InAllBlocksLowerQuality) {
   const auto system = five_masses();
   auto whole = gapped_record(system, {}, 7);

@@ -96,6 +96,16 @@ TEST(TwoClocks, AreNotSaidWhereThereIsOne) {
     EXPECT_TRUE(clocks_in(measured({by_two_clocks(0.0, seed)})).empty()) << seed;
 }
 
+/// Samples that are kept are compared beside the spectra, others in the same reading.
+TEST(TwoClocks, AreTheSameOnAThreadOfTheirOwn) {
+  const auto record = by_two_clocks(-7e-5, 6);
+  const auto beside = measured({record}), together = measured({record}, {.most_kept = 0});
+  ASSERT_EQ(clocks_in(beside).size(), 1U);
+  ASSERT_EQ(clocks_in(together).size(), 1U);
+  EXPECT_EQ(clocks_in(beside)[0].value, clocks_in(together)[0].value);
+  EXPECT_EQ(beside.responses.H, together.responses.H);
+}
+
 /// An output that the recorder of the force took too.
 TEST(TwoClocks, AnOutputKeepsTheClockOfTheInput) {
   auto record = by_two_clocks(1e-4, 5);

@@ -139,6 +139,10 @@ class RecordSet {
   RecordSet& operator=(RecordSet&&) noexcept;
   ~RecordSet();
 
+  /// The same samples once more, with what is taken as missing now, to be streamed on another
+  /// thread; none where samples of a file are not in memory.
+  [[nodiscard]] std::optional<RecordSet> of_memory() const;
+
   [[nodiscard]] const std::vector<std::string>& files() const { return files_; }
   /// Nothing for a record in memory.
   [[nodiscard]] std::optional<RecordFormat> format(std::size_t file = 0) const;
@@ -172,24 +176,27 @@ class RecordSet {
   struct Stretch {
     std::size_t file{}, channel{};
     std::int64_t begin{}, end{};
+    bool operator==(const Stretch&) const = default;
   };
   /// From now on these are missing (NaN) in stream(), in place of those of the last call.
   void take_as_missing(std::vector<Stretch> stretches);
   [[nodiscard]] const std::vector<Stretch>& taken_as_missing() const { return missing_; }
 
  private:
-  void add(std::unique_ptr<RecordReader> reader);
+  RecordSet(const RecordSet&);
+  void add(std::shared_ptr<RecordReader> reader);
   bool stream_file(std::size_t file, const Use& use);
   bool stream_kept(std::size_t file, const Use& use) const;
   [[nodiscard]] bool keeps() const;
+  [[nodiscard]] bool misses(std::size_t file, std::int64_t first, std::int64_t rows) const;
   void blank(std::size_t file, std::int64_t first, Eigen::Ref<Samples> block) const;
 
   std::vector<std::string> files_;
-  std::vector<std::unique_ptr<RecordReader>> readers_;
+  std::vector<std::shared_ptr<RecordReader>> readers_;
   std::vector<std::optional<std::int64_t>> counts_;
   std::vector<Stretch> missing_;
   std::int64_t most_kept_{};
-  std::vector<Samples> kept_;  // of each file; no rows: it is read
+  std::vector<std::shared_ptr<const Samples>> kept_;  // of each file; none: it is read
 };
 
 /// A block of about a megabyte for samples of `header`.
