@@ -74,20 +74,35 @@ struct FirstPass {
   const Plan& plan;
   const std::vector<Requirement>& requirements;
   Summary& summary;
+  OrderSearch& search;
   std::size_t part{}, parts{1};  ///< every `parts`-th output; the first part counts statuses too
+  RowsOfChunk chunk{problem.inputs.size() + problem.outputs.size()};
   std::vector<Moments> moments = std::vector<Moments>(problem.outputs.size());
   std::vector<double> margins = std::vector<double>(requirements.size());
 
-  void take(std::uint64_t row, std::span<const double> outputs) {
-    if (part == 0 && problem.status >= 0) {
-      const auto status = static_cast<std::size_t>(outputs[problem.status]);
-      if (summary.statuses.size() <= status) summary.statuses.resize(status + 1);
-      ++summary.statuses[status];
+  /// The rows of a chunk, `width` numbers each.
+  void take(std::uint64_t first, std::span<const double> numbers, std::size_t width) {
+    const std::size_t inputs = problem.inputs.size(), outputs = problem.outputs.size();
+    const auto row = [&](std::size_t at) { return first + at / width; };
+    const auto outputs_at = [&](std::size_t at) { return numbers.subspan(at + inputs, outputs); };
+    if (part == 0 && problem.status >= 0)
+      for (std::size_t at = 0; at < numbers.size(); at += width) count_status(outputs_at(at));
+    for (std::size_t at = 0; at < numbers.size(); at += width) {
+      if (!is_sample(plan, inputs, row(at))) continue;
+      const auto own = outputs_at(at);
+      // of many outputs in turn: a recurrence waits for itself
+      for (std::size_t k = part; k < outputs; k += parts)
+        if (std::isfinite(own[k])) moments[k].add(own[k], row(at));
+      for (std::size_t k = part; k < requirements.size(); k += parts) judge(k, row(at), own);
     }
-    if (!is_sample(plan, problem.inputs.size(), row)) return;
-    for (std::size_t k = part; k < outputs.size(); k += parts)
-      if (std::isfinite(outputs[k])) moments[k].add(outputs[k], row);
-    for (std::size_t k = part; k < requirements.size(); k += parts) judge(k, row, outputs);
+    chunk.take(first, numbers, [&](std::uint64_t r) { return is_sample(plan, inputs, r); });
+    for (std::size_t k = part; k < outputs; k += parts) search.count(k, chunk.finite(inputs + k));
+  }
+
+  void count_status(std::span<const double> outputs) {
+    const auto status = static_cast<std::size_t>(outputs[problem.status]);
+    if (summary.statuses.size() <= status) summary.statuses.resize(status + 1);
+    ++summary.statuses[status];
   }
 
   void judge(std::size_t k, std::uint64_t row, std::span<const double> outputs) {
@@ -121,43 +136,73 @@ OutputSummary output_summary(const Moments& moments, bool independent) {
   return result;
 }
 
-/// The quantiles of all outputs, from one search for all order statistics.
-void add_quantiles(const Spool& spool, const Problem& problem, const Plan& plan,
-                   const SummaryOptions& options, Summary& summary) {
-  const auto& probabilities = options.probabilities;
-  const bool independent = plan.design == Design::random;
-  std::vector<RankWanted> wanted;
-  std::vector<std::vector<std::optional<std::pair<std::uint64_t, std::uint64_t>>>> enclosing;
-  for (std::size_t k = 0; k < summary.outputs.size(); ++k) {
-    enclosing.emplace_back();
-    const std::uint64_t count = summary.outputs[k].count;
+/// Where most values of each output are, by some rows.
+std::vector<Range> ranges_of(const Spool& spool, std::size_t inputs, std::size_t outputs) {
+  constexpr std::uint64_t rows = 512;  // beyond are 0.4 % of the others
+  const std::uint64_t count = std::min(rows, spool.rows());
+  std::vector<Range> ranges(outputs);
+  for (std::uint64_t k = 0; k < count; ++k) {
+    const auto row = spool.row(k * spool.rows() / count);
+    for (std::size_t o = 0; o < outputs; ++o) {
+      if (!std::isfinite(row[inputs + o])) continue;
+      ranges[o].least = std::min(ranges[o].least, row[inputs + o]);
+      ranges[o].most = std::max(ranges[o].most, row[inputs + o]);
+    }
+  }
+  return ranges;
+}
+
+/// A quantile that is wanted: its rank, and those around it.
+struct QuantileRanks {
+  std::size_t output{};
+  double probability{};
+  std::vector<std::uint64_t> ranks{};  ///< one, or three
+};
+
+std::vector<QuantileRanks> ranks_of(const std::vector<OutputSummary>& outputs, bool independent,
+                                    const std::vector<double>& probabilities) {
+  std::vector<QuantileRanks> all;
+  for (std::size_t k = 0; k < outputs.size(); ++k) {
+    const std::uint64_t count = outputs[k].count;
     if (count == 0) continue;
     for (const double p : probabilities) {
       const auto rank = static_cast<std::uint64_t>(std::clamp(
           std::ceil(p * static_cast<double>(count)) - 1.0, 0.0, static_cast<double>(count - 1)));
-      wanted.push_back({k, rank});
-      enclosing.back().push_back(independent ? enclosing_ranks(count, p) : std::nullopt);
-      if (!enclosing.back().back()) continue;
-      wanted.push_back({k, enclosing.back().back()->first});
-      wanted.push_back({k, enclosing.back().back()->second});
+      all.push_back({k, p, {rank}});
+      if (const auto around = independent ? enclosing_ranks(count, p) : std::nullopt)
+        all.back().ranks.insert(all.back().ranks.end(), {around->first, around->second});
     }
   }
+  return all;
+}
+
+/// The quantiles of every `searches.size()`-th output by each search.
+void add_quantiles(const Spool& spool, const Problem& problem, const Plan& plan,
+                   const SummaryOptions& options, std::vector<OrderSearch>& searches,
+                   Summary& summary) {
+  const auto all = ranks_of(summary.outputs, plan.design == Design::random, options.probabilities);
   const std::size_t inputs = problem.inputs.size();
-  std::vector<Range> ranges;
-  for (const auto& output : summary.outputs) ranges.push_back({output.least, output.most});
-  const auto found = order_statistics(
-      spool, inputs, ranges, wanted,
-      [&](std::uint64_t row) { return is_sample(plan, inputs, row); }, options.threads);
-  std::size_t next = 0;
-  for (std::size_t k = 0; k < summary.outputs.size(); ++k)
-    for (std::size_t q = 0; q < enclosing[k].size(); ++q) {
-      QuantileEstimate estimate{.probability = probabilities[q], .value = found[next++]};
-      if (enclosing[k][q]) {
-        estimate.interval = Interval{found[next], found[next + 1]};
+  numerics::parallel_for(searches.size(), options.threads, [&](std::size_t part) {
+    const auto is_own = [&](const QuantileRanks& one) {
+      return one.output % searches.size() == part;
+    };
+    std::vector<RankWanted> wanted;
+    for (const auto& one : all)
+      for (const std::uint64_t rank : one.ranks)
+        if (is_own(one)) wanted.push_back({one.output, rank});
+    const auto found = searches[part].find(
+        spool, inputs, wanted, [&](std::uint64_t row) { return is_sample(plan, inputs, row); });
+    auto next = found.begin();
+    for (const auto& one : all) {
+      if (!is_own(one)) continue;
+      QuantileEstimate estimate{.probability = one.probability, .value = *next++};
+      if (one.ranks.size() > 1) {
+        estimate.interval = Interval{*next, *(next + 1)};
         next += 2;
       }
-      summary.outputs[k].quantiles.push_back(estimate);
+      summary.outputs[one.output].quantiles.push_back(estimate);
     }
+  });
 }
 
 }  // namespace
@@ -169,11 +214,13 @@ Summary summarise(const Spool& spool, const Problem& problem, const Plan& plan,
   const std::size_t inputs = problem.inputs.size(), width = spool.width();
   std::vector<Moments> moments(problem.outputs.size());
   const auto parts = parts_of(options.threads, moments.size());
+  const auto ranges = ranges_of(spool, inputs, moments.size());
+  std::vector<OrderSearch> searches;
+  for (std::size_t k = 0; k < parts; ++k) searches.emplace_back(ranges);
   numerics::parallel_for(parts, options.threads, [&](std::size_t part) {
-    FirstPass pass{problem, plan, requirements, summary, part, parts};
+    FirstPass pass{problem, plan, requirements, summary, searches[part], part, parts};
     spool.each_chunk([&](std::uint64_t first, std::span<const double> numbers) {
-      for (std::size_t at = 0; at < numbers.size(); at += width)
-        pass.take(first + at / width, numbers.subspan(at + inputs, width - inputs));
+      pass.take(first, numbers, width);
     });
     for (std::size_t k = part; k < moments.size(); k += parts) moments[k] = pass.moments[k];
   });
@@ -186,7 +233,7 @@ Summary summarise(const Spool& spool, const Problem& problem, const Plan& plan,
     if (independent)
       requirement.interval = proportion_interval(requirement.missed, requirement.count);
   }
-  add_quantiles(spool, problem, plan, options, summary);
+  add_quantiles(spool, problem, plan, options, searches, summary);
   if (plan.indices)
     summary.indices = sobol_indices(spool, problem, plan, summary, options.replicates);
   if (options.reached) summary.reached = reached_part(spool, problem, plan);

@@ -12,6 +12,7 @@
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/study/study.hpp"
+#include "study/order_statistics.hpp"
 
 namespace hydrapod::study {
 namespace {
@@ -111,6 +112,29 @@ TEST(Quantiles, AreExactOrderStatistics) {
   EXPECT_EQ(output.quantiles.at(0).value, values.at(12));   // ⌈0.01 · 1237⌉ = 13
   EXPECT_EQ(output.quantiles.at(2).value, values.at(618));  // ⌈0.5 · 1237⌉ = 619
   EXPECT_EQ(output.least, values.front());
+}
+
+/// Where most values are is a guess: they may all lie below, above or on either side of it.
+TEST(Quantiles, AreExactWhereverValuesWereExpected) {
+  const Rows rows;
+  const auto problem = linear_problem();
+  run(problem, {.samples = 60000, .seed = 4}, {.spool = rows.path});
+  const Spool spool({rows.path});
+  std::vector<double> values;
+  spool.each_chunk([&](std::uint64_t, std::span<const double> numbers) {
+    for (std::size_t at = 2; at < numbers.size(); at += 3) values.push_back(numbers[at]);
+  });
+  for (const Range range : {Range{}, Range{1e9, 2e9}, Range{-1e-300, -1e-301}, Range{-7e9, -7e9},
+                            Range{linear_mean, linear_mean + 1e-7}}) {
+    OrderSearch search(std::array{range});
+    search.count(0, values);
+    const auto found = search.find(spool, 2, {{0, 0}, {0, 17}, {0, 31'337}, {0, 59'999}},
+                                   [](std::uint64_t) { return true; });
+    auto sorted = values;
+    std::ranges::sort(sorted);
+    EXPECT_THAT(found, testing::ElementsAre(sorted[0], sorted[17], sorted[31'337], sorted[59'999]))
+        << range.least;
+  }
 }
 
 /// Many equal values, heavy tails, both signs, and more values than are sorted in memory.
