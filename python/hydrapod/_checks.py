@@ -37,6 +37,8 @@ def number(value: Any, name: str) -> float:
 
 def flag(value: Any, name: str) -> bool:
     """True or False; 1 and 0 too."""
+    if value is True or value is False:
+        return value
     if isinstance(value, (bool, np.bool_)):
         return bool(value)
     if hasattr(value, "__index__") and operator.index(value) in (0, 1):
