@@ -29,7 +29,7 @@ struct Arguments {
   std::string samples{}, seed{};
   std::string design{};
   bool indices{}, buckling{}, resume{}, join{}, poses{}, no_mpi{}, force{};
-  int threads{}, modes{6};
+  int threads{}, modes{6}, refine{};
   std::string shard{}, format{}, output{"-"}, results{"study.h5"}, csv{}, worst{}, plot{};
   std::string value{"lowest"};
 };
@@ -252,6 +252,26 @@ void say_effort(const tasks::StudyJob& job, const tasks::StudyRunOptions& option
   if (effort.seconds > noticed) print_note(effort.text);
 }
 
+/// Halves intervals of the grid, as often as is asked for, and says which input got how many
+/// values.
+void refine(const Arguments& arguments, bool is_first_rank, tasks::StudyJob& job) {
+  if (arguments.refine == 0) return;
+  if (job.plan.design != study::Design::grid)
+    base::refuse(fmt::format("--refine {}", arguments.refine),
+                 "halves intervals of a grid; leave --design out");
+  const auto added = with_progress("refining", [&](const numerics::Progress& progress) {
+    return tasks::refine_grid(job, arguments.refine, progress);
+  });
+  if (!is_first_rank) return;
+  if (std::ranges::all_of(added, [](int count) { return count == 0; }))
+    print_note("no modes cross or veer between the values of the grid: it stays as it is");
+  for (std::size_t k = 0; k < added.size(); ++k)
+    if (added[k] > 0)
+      print_note(fmt::format("{}: {} values became {}, between which modes cross or veer",
+                             job.problem.inputs[k].name, job.plan.counts[k] - added[k],
+                             job.plan.counts[k]));
+}
+
 void run_with(Arguments arguments, study::Design design, const char* kind) {
   const auto team = arguments.no_mpi ? nullptr : team_of_ranks();
   std::size_t format = 0;
@@ -278,6 +298,7 @@ void run_with(Arguments arguments, study::Design design, const char* kind) {
       options.also.push_back({arguments.value, "--value " + arguments.value});
     auto prepared = tasks::prepare_study(machine, options);
     require_results(arguments, prepared);
+    refine(arguments, !team || team->rank() == 0, prepared);
     tasks::check_run(prepared, running);
     return prepared;
   });
@@ -401,6 +422,9 @@ void add_sweep(Command app) {
       {{"--over", arguments.over, "PATH=from:to:count, or PATH= and a list; may be repeated",
         one_each_as("PATH=RANGE")},
        {"--design", arguments.design, "grid, latin or sobol"},
+       {"--refine", arguments.refine,
+        "Halve intervals of the grid between which modes cross or veer, so many times",
+        range(0, 12)},
        {"--plot", arguments.plot, "Heat map over two parameters, .svg, .png or .pdf", writes},
        {"--value", arguments.value, "Output that it shows"}});
   add_common(command, arguments);
@@ -428,6 +452,9 @@ void add_map(Command app) {
         "DIRECTION=from:to:count or a list: every pose has the worst over these displacements; may "
         "be repeated",
         one_each_as("RANGE")},
+       {"--refine", arguments.refine,
+        "Halve intervals of the grid between which modes cross or veer, so many times",
+        range(0, 12)},
        {"--plot", arguments.plot, "Heat map over two directions, .svg, .png or .pdf", writes},
        {"--value", arguments.value, "Output that it shows"}});
   add_common(command, arguments);

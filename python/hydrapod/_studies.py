@@ -134,7 +134,7 @@ def montecarlo(machine: Machine, vary: Mapping[str, str], *, want: Texts = (), o
                          resume=resume, shard=shard, join=join)
 
 
-def sweep(machine: Machine, over: Over, *, want: Texts = (), outputs: Optional[Outputs] = None,
+def sweep(machine: Machine, over: Over, *, refine: int = 0, want: Texts = (), outputs: Optional[Outputs] = None,
           design: str = "grid", samples: int = 10000, seed: int = 1, modes: int = 6, also: Texts = (),
           commands: Texts = (), until: Optional[Quantity] = None, buckling: bool = False, threads: int = 0,
           results: Optional[Path] = None, resume: bool = False, shard: Optional[Tuple[int, int]] = None,
@@ -143,26 +143,28 @@ def sweep(machine: Machine, over: Over, *, want: Texts = (), outputs: Optional[O
 
     over: {PATH: "2:20:10 kN/mm"}, a list "1, 2, 5 kN/mm", or an array in SI. outputs: {NAME: function of a
     Machine} adds columns of your own: see Study.evaluate; where progress stops the study they are NaN.
-    design: grid, latin or sobol. Others: see montecarlo().
+    design: grid, latin or sobol. refine: so many times, 0 to 12, intervals of the grid between which modes cross or
+    veer are halved. Others: see montecarlo().
     Result: as montecarlo(); of a grid, shape are the counts, study["x"].reshape(study.shape) the field.
     Raises as montecarlo(); ValueError and TypeError for outputs that cannot be columns. Source: docs/theory/study.md.
     C++: tasks::prepare_study in hydrapod/tasks/study.hpp.
     """
     return _with_outputs(machine, "sweep", progress, results, outputs, over=_texts(over),
-                         want=want, also=also, commands=commands, until=until, design=design, samples=samples,
-                         seed=seed, modes=modes, buckling=buckling, threads=threads, resume=resume, shard=shard,
-                         join=join)
+                         refine=_checks.whole(refine, "refine"), want=want, also=also, commands=commands, until=until,
+                         design=design, samples=samples, seed=seed, modes=modes, buckling=buckling, threads=threads,
+                         resume=resume, shard=shard, join=join)
 
 
-def workspace_map(machine: Machine, over: Over, *, worst_over: Optional[Over] = None, want: Texts = (),
-                  outputs: Optional[Outputs] = None, modes: int = 6, also: Texts = (), commands: Texts = (),
-                  until: Optional[Quantity] = None, buckling: bool = False, threads: int = 0,
+def workspace_map(machine: Machine, over: Over, *, worst_over: Optional[Over] = None, refine: int = 0,
+                  want: Texts = (), outputs: Optional[Outputs] = None, modes: int = 6, also: Texts = (),
+                  commands: Texts = (), until: Optional[Quantity] = None, buckling: bool = False, threads: int = 0,
                   results: Optional[Path] = None, resume: bool = False, shard: Optional[Tuple[int, int]] = None,
                   join: bool = False, progress: Optional[Progress] = None) -> Study:
     """Modes over the workspace.
 
     over: {DIRECTION: "-100:100:41 mm"} or arrays [m, rad]; directions x … rz, from the machine's pose. worst_over:
     the same; every pose has the worst value over all these displacements, and none where one of them is not reached.
+    refine: see sweep().
     Result: as sweep(); the columns of the displacements are "pose.x" …, for "x" is the first resonance in x.
     Raises as sweep(). outputs need a map from the pose neutral. Source: docs/theory/study.md.
     C++: tasks::prepare_study in hydrapod/tasks/study.hpp.
@@ -172,9 +174,9 @@ def workspace_map(machine: Machine, over: Over, *, worst_over: Optional[Over] = 
     if outputs and worst_over:
         raise ValueError("outputs: cannot be the worst over poses; leave worst_over out")
     return _with_outputs(machine, "map", progress, results, outputs, over=_texts(over),
-                         worst_over=_texts(worst_over or {}, "worst_over"), want=want, modes=modes, also=also,
-                         commands=commands, until=until, buckling=buckling, threads=threads, resume=resume,
-                         shard=shard, join=join)
+                         worst_over=_texts(worst_over or {}, "worst_over"), refine=_checks.whole(refine, "refine"),
+                         want=want, modes=modes, also=also, commands=commands, until=until, buckling=buckling,
+                         threads=threads, resume=resume, shard=shard, join=join)
 
 
 def design(machine: Machine, change: Mapping[str, Any], *, minimise: Texts = (), maximise: Texts = (), want: Texts = (),

@@ -85,6 +85,11 @@ tasks::StudyOptions study_options(const std::string& kind, const Options& asked)
 std::shared_ptr<Study> run_study(const Machine& machine, const std::string& kind,
                                  const Options& asked, const py::object& progress) {
   const auto options = study_options(kind, asked);
+  const int refine = asked.get("refine", 0);
+  if (refine < 0 || refine > 12)
+    throw std::invalid_argument("refine: expected 0 to 12, got " + std::to_string(refine));
+  if (refine > 0 && options.plan.design != study::Design::grid)
+    base::refuse("refine", "halves intervals of a grid; leave design out");
   auto result = std::make_shared<Study>();
   result->kind = kind;
   tasks::StudyRunOptions running{.output = asked.get<std::string>("results"),
@@ -102,6 +107,7 @@ std::shared_ptr<Study> run_study(const Machine& machine, const std::string& kind
   };
   at_work(progress, [&](const numerics::Progress& watch) {
     result->job = tasks::prepare_study(*machine, options);
+    if (refine > 0) tasks::refine_grid(result->job, refine, watch);
     result->done = tasks::run_study(result->job, running, watch);
     return 0;
   });

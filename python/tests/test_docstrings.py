@@ -119,7 +119,7 @@ def test_every_task_of_the_headers_is_there():
              "tasks::shared_responses", "tasks::observed_in", "tasks::summary_of", "tasks::is_mode_list",
              "tasks::stated_pose", "tasks::read_measured", "tasks::identified_mode",
              "tasks::check_run", "tasks::study_effort", "tasks::run_study", "tasks::study_row",
-             "tasks::run_design"}
+             "tasks::run_design", "tasks::refine_grid"}
     there = set()
     for path in (root / "include/hydrapod/tasks").glob("*.hpp"):
         declared = re.sub(r"^struct .*?^\};", "", path.read_text(), flags=re.MULTILINE | re.DOTALL)

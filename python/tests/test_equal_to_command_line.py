@@ -106,6 +106,8 @@ studies = {
                          lambda m: hydrapod.sweep(m, {"platform.mass": "700:900 kg"}, design="latin", samples=20)),
     "map": (["map", "--over", "x=-3:3:4 mm", "--over", "rz=-0.2:0.2:3 deg", "--want", "drop <= 3 %"],
             lambda m: hydrapod.workspace_map(m, {"x": "-3:3:4 mm", "rz": "-0.2:0.2:3 deg"}, want="drop <= 3 %")),
+    "refined map": (["map", "--over", "x=-60:60:5 mm", "--over", "z=-50:30:4 mm", "--refine", "2"],
+                    lambda m: hydrapod.workspace_map(m, {"x": "-60:60:5 mm", "z": "-50:30:4 mm"}, refine=2)),
     "map over the worst": (["map", "--over", "x=-3:3:3 mm", "--over", "z=-1:1:3 mm", "--worst-over", "rx=-0.2:0.2:3 deg",
                             "--also", "stiffness", "--want", "lowest >= 3 Hz"],
                            lambda m: hydrapod.workspace_map(

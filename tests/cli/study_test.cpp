@@ -258,6 +258,41 @@ TEST(Studies, MapsNameTheirWorstPoses) {
   }
 }
 
+/// Rows of the grid that was asked for are rows of the refined one.
+TEST(Studies, MapsAreRefinedWhereModesCross) {
+  const test::TemporaryFolder folder;
+  const auto rows_with = [&](const std::vector<std::string>& more, const std::string& name) {
+    std::vector<std::string> all{"map",       machine,
+                                 "--over",    "x=-60:60:5 mm",
+                                 "--over",    "z=-50:30:4 mm",
+                                 "--csv",     (folder / (name + ".csv")).string(),
+                                 "--results", (folder / (name + ".h5")).string()};
+    all.insert(all.end(), more.begin(), more.end());
+    const auto run = test::run_hydrapod(all);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return std::pair(run.err, columns_of_rows(folder / (name + ".csv")));
+  };
+  const auto [none, coarse] = rows_with({}, "coarse");
+  const auto [said, fine] = rows_with({"--refine", "2"}, "fine");
+  EXPECT_THAT(none, Not(HasSubstr("cross")));
+  EXPECT_THAT(said,
+              testing::ContainsRegex("values became [0-9]+, between which modes cross or veer"));
+  const auto count = coarse.at("lowest [Hz]").size();
+  ASSERT_EQ(count, 20U);
+  EXPECT_GT(fine.at("lowest [Hz]").size(), count);
+  for (std::size_t k = 0; k < count; ++k) {
+    std::size_t same = 0;
+    while (fine.at("pose.x [m]").at(same) != coarse.at("pose.x [m]")[k] ||
+           fine.at("pose.z [m]")[same] != coarse.at("pose.z [m]")[k])
+      ++same;
+    for (const auto& [name, values] : coarse)
+      if (!std::isnan(values[k])) EXPECT_EQ(fine.at(name)[same], values[k]) << name;
+  }
+  const auto wrong = test::run_hydrapod({"sweep", machine, "--over", "platform.mass=700:900 kg",
+                                         "--design", "sobol", "--refine", "1"});
+  EXPECT_EQ(wrong.err, "--refine 1: error: halves intervals of a grid; leave --design out\n");
+}
+
 /// Every pose of the map is the worst of three inclinations: as maps of each of them say.
 TEST(Studies, MapsOverTheWorstOfFurtherDirections) {
   const test::TemporaryFolder folder;
@@ -359,11 +394,10 @@ TEST(Studies, EverySampleMakesAMotion) {
   }
   EXPECT_NE(rows.at("rms_error_z [m]")[0], rows.at("rms_error_z [m]")[1]);
   // the same from a file, whose motion the command line may shorten
-  test::write_text(folder / "m.toml",
-                   fmt::format("machine = \"{}\"\nsamples = 2\n"
-                               "command = [\"step z=1 mm, at=0.1\"]\nuntil = 4\n"
-                               "[vary]\n\"platform.mass\" = \"normal ± 1 %\"\n",
-                               heavy));
+  test::write_text(folder / "m.toml", fmt::format("machine = \"{}\"\nsamples = 2\n"
+                                                  "command = [\"step z=1 mm, at=0.1\"]\nuntil = 4\n"
+                                                  "[vary]\n\"platform.mass\" = \"normal ± 1 %\"\n",
+                                                  heavy));
   const auto from_file = [&](const std::vector<std::string>& more) {
     std::vector<std::string> all{"montecarlo", (folder / "m.toml").string(), "--results",
                                  (folder / "m.h5").string(), "--force"};

@@ -65,6 +65,23 @@ struct StudyJob {
 /// requirement.
 StudyJob prepare_study(const Machine& machine, const StudyOptions& options);
 
+struct RefineOptions {
+  /// Two followed modes cross where the difference of their frequencies changes its sign, and is
+  /// > apart · the frequency on either side: modes of symmetric machines are equal but for
+  /// rounding.
+  double apart{1e-6};
+  /// Modes veer where their least MAC with the nominal ones changes by more than `veers`.
+  double veers{0.1};
+  std::uint64_t most_rows{1'000'000};  ///< of a grid that is refined
+};
+
+/// Of a grid: so many times, intervals between rows whose modes cross or veer are halved, for all
+/// values of the other inputs. How many values each input got. Throws base::InputError for a grid
+/// that is too large, std::invalid_argument for a study that is none, base::ComputationError where
+/// progress stops it.
+std::vector<int> refine_grid(StudyJob& job, int times, const Progress& progress = {},
+                             const RefineOptions& options = {});
+
 struct StudyRunOptions {
   std::string output{};   ///< HDF5 file; rows are kept beside it until they are complete
   std::string command{};  ///< that makes the same study again; the file says it
