@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <set>
 #include <utility>
 #include <vector>
@@ -24,22 +25,37 @@ struct Point {
   double x, y;
 };
 
+/// Where cells end: in the middle between neighbours, and as far beyond the first and the last.
+std::vector<double> edges_of(const std::vector<double>& at) {
+  if (at.size() == 1) return {at[0] - 0.5, at[0] + 0.5};
+  std::vector<double> edges{at[0] - 0.5 * (at[1] - at[0])};
+  for (std::size_t k = 1; k < at.size(); ++k) edges.push_back(0.5 * (at[k - 1] + at[k]));
+  edges.push_back(at.back() + 0.5 * (at.back() - at[at.size() - 2]));
+  return edges;
+}
+
+/// Are they as far from each other as pictures of equal cells have them?
+bool are_even(const std::vector<double>& at) {
+  constexpr double rounding = 1e-6;  // of a cell
+  for (std::size_t k = 1; k + 1 < at.size(); ++k)
+    if (std::abs(at[k + 1] - 2.0 * at[k] + at[k - 1]) > rounding * std::abs(at[1] - at[0]))
+      return false;
+  return true;
+}
+
 /// A field in its frame.
 struct Frame {
   const Field& field;
-  double dx, dy;  ///< half a cell
+  std::vector<double> x_edges, y_edges;
 
+  explicit Frame(const Field& of) : field(of), x_edges(edges_of(of.x)), y_edges(edges_of(of.y)) {}
   /// [pixels] from the upper left of the picture.
   [[nodiscard]] Point at(double x, double y) const {
-    const double across = (x - field.x.front() + dx) / (field.x.back() - field.x.front() + 2 * dx);
-    const double up = (y - field.y.front() + dy) / (field.y.back() - field.y.front() + 2 * dy);
+    const double across = (x - x_edges.front()) / (x_edges.back() - x_edges.front());
+    const double up = (y - y_edges.front()) / (y_edges.back() - y_edges.front());
     return {left + across * (right - left), height - bottom - up * (height - bottom - top)};
   }
 };
-
-double half_cell(const std::vector<double>& at) {
-  return at.size() > 1 ? 0.5 * (at.back() - at.front()) / static_cast<double>(at.size() - 1) : 0.5;
-}
 
 /// Round numbers between the least and the largest value, at most eight.
 std::vector<double> levels_of(const std::vector<double>& values) {
@@ -188,6 +204,19 @@ std::string block_of_values(const std::string& name, const Field& field,
   return block_of(name, rows);
 }
 
+/// Cells that have a value, in the block `$cells`: place, edges, value.
+std::string block_of_cells(const Frame& frame) {
+  const auto& field = frame.field;
+  std::string rows;
+  for (std::size_t i = 0; i < field.x.size(); ++i)
+    for (std::size_t j = 0; j < field.y.size(); ++j)
+      if (const double value = field.values[i * field.y.size() + j]; std::isfinite(value))
+        rows += fmt::format("{:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g}\n", field.x[i],
+                            field.y[j], frame.x_edges[i], frame.x_edges[i + 1], frame.y_edges[j],
+                            frame.y_edges[j + 1], value);
+  return block_of("cells", rows);
+}
+
 /// Contours of `levels` of the block `$of` in the block `$name`.
 std::string contour_table(const std::string& name, const std::vector<double>& levels,
                           const std::string& of = "field") {
@@ -195,6 +224,28 @@ std::string contour_table(const std::string& name, const std::vector<double>& le
       "set cntrparam levels discrete {:.9g}\nset table ${}\nsplot ${} using 1:2:3\nunset "
       "table\n",
       fmt::join(levels, ", "), name, of);
+}
+
+/// With ascending x and y: lists may have any order.
+Field in_order(const Field& given) {
+  const auto order_of = [](const std::vector<double>& at) {
+    std::vector<std::size_t> order(at.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::stable_sort(order, {}, [&](std::size_t k) { return at[k]; });
+    return order;
+  };
+  const auto of_x = order_of(given.x), of_y = order_of(given.y);
+  Field field = given;
+  for (std::size_t i = 0; i < of_x.size(); ++i) {
+    field.x[i] = given.x[of_x[i]];
+    for (std::size_t j = 0; j < of_y.size(); ++j) {
+      const auto to = i * of_y.size() + j, from = of_x[i] * of_y.size() + of_y[j];
+      field.y[j] = given.y[of_y[j]];
+      field.values[to] = given.values[from];
+      if (!given.stroke_left.empty()) field.stroke_left[to] = given.stroke_left[from];
+    }
+  }
+  return field;
 }
 
 /// Its values and bound in a unit that fits them.
@@ -214,14 +265,15 @@ Field in_shown_unit(Field field) {
 
 void plot_field(const Field& given, const std::string& title, const std::string& subtitle,
                 const std::string& path) {
-  const Field field = in_shown_unit(given);
-  const Frame frame{field, half_cell(field.x), half_cell(field.y)};
+  const Field field = in_shown_unit(in_order(given));
+  const Frame frame(field);
+  const bool even = are_even(field.x) && are_even(field.y);
   const auto levels = levels_of(field.values);
   const bool bounded = field.bound && !crossings(frame, field.values, *field.bound).empty();
   const bool ends = !field.stroke_left.empty() && !crossings(frame, field.stroke_left, 0.0).empty();
   std::string script =
       titles(title, subtitle, width, height) + thin_axes + key_below_titles(height) +
-      block_of_values("field", field, field.values) +
+      block_of_values("field", field, field.values) + (even ? "" : block_of_cells(frame)) +
       (ends ? block_of_values("stroke", field, field.stroke_left) : "") +
       "set contour base\nunset surface\n" + (levels.empty() ? "" : contour_table("lines", levels)) +
       (bounded ? contour_table("bound", {*field.bound}) : "") +
@@ -230,8 +282,8 @@ void plot_field(const Field& given, const std::string& title, const std::string&
   script += fmt::format(
       "set xlabel {}\nset ylabel {}\nset cblabel {}\nset xrange [{:.9g}:{:.9g}]\n"
       "set yrange [{:.9g}:{:.9g}]\n",
-      quoted(field.x_name), quoted(field.y_name), quoted(field.name), field.x.front() - frame.dx,
-      field.x.back() + frame.dx, field.y.front() - frame.dy, field.y.back() + frame.dy);
+      quoted(field.x_name), quoted(field.y_name), quoted(field.name), frame.x_edges.front(),
+      frame.x_edges.back(), frame.y_edges.front(), frame.y_edges.back());
   script +=
       "set object 1 rectangle from graph 0,0 to graph 1,1 behind fc rgb '#bbbbbb' fs solid "
       "noborder\n"
@@ -241,7 +293,11 @@ void plot_field(const Field& given, const std::string& title, const std::string&
   // does not; the SVG has sharp edges
   const int times = path.ends_with(".svg") ? 1 : 3;
   script += "plot ";
-  for (int k = 0; k < times; ++k) script += "$field using 1:2:3 with image pixels notitle, ";
+  for (int k = 0; k < times; ++k)
+    script += even
+                  ? "$field using 1:2:3 with image pixels notitle, "
+                  : "$cells using 1:2:3:4:5:6:7 with boxxyerror fillstyle solid noborder linecolor "
+                    "palette notitle, ";
   if (!levels.empty())
     script +=
         "$lines using 1:2 with lines lw 2.2 lc rgb '#604020' notitle, "

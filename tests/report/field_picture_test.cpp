@@ -135,5 +135,28 @@ TEST(Titles, LongSubtitlesHaveTwoLinesAndNoLineIsCutByTheEdge) {
   EXPECT_THAT(titles("T", "ä", 460, 600), HasSubstr("'ä'"));
 }
 
+/// Cells end in the middle between neighbours. They stood side by side as if all were equal, beside
+/// contours that were in their places.
+TEST(HeatMaps, CellsOfUnevenListsAreWhereTheyBelong) {
+  const Field even = field(4, [](double x, double y) { return x + 0.3 * y; });
+  EXPECT_THAT(script_for(even), HasSubstr("with image pixels"));
+  Field f{.x_name = "x [mm]", .y_name = "z [mm]", .x = {-3.0, 1.0, 2.0}, .y = {10.0, 30.0, 90.0}};
+  f.name = "lowest [Hz]";
+  f.values = {5.0, 5.5, 6.0, 6.5, std::nan(""), 7.5, 8.0, 8.5, 9.25};
+  const auto script = script_for(f);
+  EXPECT_THAT(script, Not(HasSubstr("with image")));
+  EXPECT_THAT(script, HasSubstr("with boxxyerror"));
+  EXPECT_THAT(script, HasSubstr("set xrange [-5:2.5]\nset yrange [0:120]\n"));
+  EXPECT_THAT(script, HasSubstr("\n-3 10 -5 -1 0 20 5\n-3 30 -5 -1 20 60 5.5\n"
+                                "-3 90 -5 -1 60 120 6\n1 10 -1 1.5 0 20 6.5\n"
+                                "1 90 -1 1.5 60 120 7.5\n2 10 1.5 2.5 0 20 8\n"));
+  Field turned = f;  // the same in another order
+  turned.x = {2.0, -3.0, 1.0};
+  turned.y = {90.0, 10.0, 30.0};
+  turned.values = {9.25, 8.0, 8.5, 6.0, 5.0, 5.5, 7.5, 6.5, std::nan("")};
+  const auto of_data = [](const std::string& text) { return text.substr(text.find("$field")); };
+  EXPECT_EQ(of_data(script_for(turned)), of_data(script));  // files before it have other names
+}
+
 }  // namespace
 }  // namespace hydrapod::report
