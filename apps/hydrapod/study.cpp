@@ -260,11 +260,13 @@ void refine(const Arguments& arguments, bool is_first_rank, tasks::StudyJob& job
     base::refuse(fmt::format("--refine {}", arguments.refine),
                  "halves intervals of a grid; leave --design out");
   const auto added = with_progress("refining", [&](const numerics::Progress& progress) {
-    return tasks::refine_grid(job, arguments.refine, progress);
+    return tasks::refine_grid(job, arguments.refine, progress, {.threads = arguments.threads});
   });
   if (!is_first_rank) return;
   if (std::ranges::all_of(added, [](int count) { return count == 0; }))
-    print_note("no modes cross or veer between the values of the grid: it stays as it is");
+    print_note(
+        "from value to value the followed modes keep their order and shapes: the grid stays as it "
+        "is");
   for (std::size_t k = 0; k < added.size(); ++k)
     if (added[k] > 0)
       print_note(fmt::format("{}: {} values became {}, between which modes cross or veer",

@@ -107,7 +107,7 @@ std::shared_ptr<Study> run_study(const Machine& machine, const std::string& kind
   };
   at_work(progress, [&](const numerics::Progress& watch) {
     result->job = tasks::prepare_study(*machine, options);
-    if (refine > 0) tasks::refine_grid(result->job, refine, watch);
+    if (refine > 0) tasks::refine_grid(result->job, refine, watch, {.threads = running.threads});
     result->done = tasks::run_study(result->job, running, watch);
     return 0;
   });

@@ -303,21 +303,16 @@ LostRows find_lost_rows(data::RecordSet& records, const Reading& reading,
 LostRowsSearch::LostRowsSearch(const data::RecordSet& records, const Reading& reading)
     : missing_(records.taken_as_missing()) {
   if (!is_worth_a_thread(reading)) return;
-  auto own = records.of_memory();
-  if (!own) return;
-  found_ = std::async(std::launch::async, [this, reading, set = std::move(*own)]() mutable {
-    return find_lost_rows(set, reading, {}, &stop_);
-  });
-}
-
-LostRowsSearch::~LostRowsSearch() {
-  stop_ = true;  // the future waits for its end
+  if (auto own = records.of_memory())
+    search_.emplace(std::move(*own),
+                    [reading](data::RecordSet& set, const std::atomic<bool>& stop) {
+                      return find_lost_rows(set, reading, {}, &stop);
+                    });
 }
 
 LostRows LostRowsSearch::result(data::RecordSet& records, const Reading& reading) {
-  if (!found_.valid() || records.taken_as_missing() != missing_)
-    return find_lost_rows(records, reading);
-  auto found = found_.get();
+  if (!search_ || records.taken_as_missing() != missing_) return find_lost_rows(records, reading);
+  auto found = search_->result();
   return reading.inputs_cut_off ? LostRows{} : found;
 }
 

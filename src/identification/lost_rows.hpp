@@ -19,10 +19,10 @@
 
 #include <atomic>
 #include <cstdint>
-#include <future>
 #include <optional>
 #include <vector>
 
+#include "background.hpp"
 #include "hydrapod/identification/responses.hpp"
 #include "reading.hpp"
 
@@ -71,22 +71,17 @@ LostRows find_lost_rows(data::RecordSet& records, const Reading& reading,
                         const LostRowsOptions& options = {},
                         const std::atomic<bool>* stop = nullptr);
 
-/// The same on a thread of its own, where the samples are in memory: it needs the reading alone,
-/// and the spectra are formed meanwhile.
+/// The same beside the spectra, where the samples are in memory: it needs the reading alone.
 class LostRowsSearch {
  public:
   LostRowsSearch(const data::RecordSet& records, const Reading& reading);
-  ~LostRowsSearch();
-  LostRowsSearch(const LostRowsSearch&) = delete;
-  LostRowsSearch& operator=(const LostRowsSearch&) = delete;
   /// Once. It is looked for here where it was not, or where other samples are missing by now.
   /// `reading`: the same, with what was found since.
   LostRows result(data::RecordSet& records, const Reading& reading);
 
  private:
   std::vector<data::RecordSet::Stretch> missing_;
-  std::atomic<bool> stop_{};
-  std::future<LostRows> found_{};  // last: it is waited for before the others end
+  std::optional<Background<LostRows>> search_{};
 };
 
 /// `rest`: what was measured without them, if that can be. `measured` gets the warning, and is

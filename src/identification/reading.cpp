@@ -5,9 +5,10 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <future>
 #include <limits>
+#include <utility>
 
+#include "background.hpp"
 #include "block_length.hpp"
 #include "groups.hpp"
 #include "held.hpp"
@@ -18,6 +19,9 @@
 namespace hydrapod::identification {
 
 namespace {
+
+/// Of all channels: a thread begins in some 50 µs.
+constexpr std::int64_t samples_worth_a_thread = 1 << 17;
 
 /// [samples]; 0: the excitation does not repeat, or that does not count. `shortest`: samples of the
 /// shortest record, here and below.
@@ -45,11 +49,11 @@ std::optional<Swept> sweep_of(const data::RecordSet& records, const Plan& plan,
   const auto& channels = loop ? plan.choice.instruments : plan.choice.inputs;
   std::vector<const VectorXd*> samples;
   for (const int channel : channels) samples.push_back(&beginning.of(channel));
-  constexpr Index worth_threads = 1 << 16;  // samples: they begin in some 50 µs
+  const auto count = samples.front()->size() * std::ssize(samples);
   std::vector<std::optional<Swept>> sweeps(samples.size());
-  numerics::parallel_for(
-      sweeps.size(), samples.front()->size() < worth_threads ? 1 : 0,
-      [&](std::size_t k) { sweeps[k] = sweep_in(*samples[k], records.header().sample_rate); });
+  numerics::parallel_for(sweeps.size(), count < samples_worth_a_thread ? 1 : 0, [&](std::size_t k) {
+    sweeps[k] = sweep_in(*samples[k], records.header().sample_rate);
+  });
   std::optional<Swept> all;
   for (const auto& own : sweeps) {
     if (own && all) all = Swept{std::min(all->from, own->from), std::max(all->to, own->to)};
@@ -97,8 +101,8 @@ std::vector<Index> corrected_columns(const Reading& reading) {
 }  // namespace
 
 bool is_worth_a_thread(const Reading& reading) {
-  constexpr std::int64_t samples = 1 << 17;
-  return reading.spectrum.threads != 1 && reading.total * std::ssize(reading.used) >= samples;
+  return reading.spectrum.threads != 1 &&
+         reading.total * std::ssize(reading.used) >= samples_worth_a_thread;
 }
 
 std::int64_t settling_samples(const data::RecordSet& records, const MeasureOptions& options) {
@@ -242,16 +246,12 @@ std::optional<ClockDifference> read_and_compare(SpectrumEstimator& estimator,
     read_into(estimator, records, reading, progress, m, &search);
     return m.interrupted ? std::nullopt : search.result();
   }
-  std::atomic<bool> stop{};
-  auto found = std::async(std::launch::async, [&] { return clocks_in(*own, reading, stop); });
-  try {
-    read_into(estimator, records, reading, progress, m);
-  } catch (...) {
-    stop = true;  // it is waited for
-    throw;
-  }
-  stop = m.interrupted;
-  return found.get();
+  Background<std::optional<ClockDifference>> search(
+      std::move(*own), [&](data::RecordSet& set, const std::atomic<bool>& stop) {
+        return clocks_in(set, reading, stop);
+      });
+  read_into(estimator, records, reading, progress, m);
+  return m.interrupted ? std::nullopt : search.result();
 }
 
 /// As read_once(), and once more where outputs have another clock than inputs, at one clock.

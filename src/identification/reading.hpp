@@ -31,8 +31,7 @@ struct Reading {
   std::optional<Swept> sweep{};  ///< where the excitation is one: all that the inputs pass
 };
 
-/// Is what needs the samples and not the spectra done sooner on a thread of its own? It begins in
-/// some 50 µs.
+/// Is what needs the samples and not the spectra done sooner on a thread of its own?
 [[nodiscard]] bool is_worth_a_thread(const Reading& reading);
 
 struct Streamed {

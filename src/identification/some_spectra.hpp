@@ -22,6 +22,14 @@ inline Lines lines_from(const std::vector<Index>& all, std::size_t first) {
   return lines;
 }
 
+/// The same of all lines 0 … `count` − 1.
+inline Lines lines_from(Index first, Index count) {
+  Lines lines{};
+  for (std::size_t k = 0; k < lines.size(); ++k)
+    lines[k] = std::min(first + static_cast<Index>(k), count - 1);
+  return lines;
+}
+
 /// S or N of some lines, for rows and columns of channels.
 class SomeSpectra {
  public:

@@ -61,8 +61,7 @@ Eigen::RowVectorXd row_mean(const FourChannels& samples, Index first, Index rows
   return mean;
 }
 
-/// Least and largest per channel; not finite where a sample is not. Several rows take turns, as in
-/// the mean.
+/// Least and largest per channel; not finite where a sample is not. Rows take turns as in the mean.
 struct Extremes {
   std::array<double, four> low, high;
   Extremes(const FourChannels& samples, Index first, Index rows) {
@@ -213,10 +212,10 @@ SpectrumEstimator::SpectrumEstimator(const data::RecordHeader& header,
   me.rows = n + (me.blocks_at_once - 1) * me.hop;
   me.buffer.assign(static_cast<std::size_t>((width + four - 1) / four),
                    FourChannels::Zero(me.rows, four));
-  if (!options.periodic) me.squares.resize(me.buffer.size());
-  if (!options.periodic)
-    for (const int c : options.inputs)
-      me.squares[static_cast<std::size_t>(c / four)].setZero(n, four);
+  if (options.periodic) return;
+  me.squares.resize(me.buffer.size());
+  for (const int c : options.inputs)
+    me.squares[static_cast<std::size_t>(c / four)].setZero(n, four);
 }
 
 SpectrumEstimator::~SpectrumEstimator() = default;
@@ -408,8 +407,8 @@ namespace {
 /// Mean of the inputs' columns, each divided by its own mean.
 VectorXd mean_power(const std::vector<FourChannels>& squares, const std::vector<int>& inputs) {
   VectorXd sum;
+  if (squares.empty()) return sum;
   for (const int c : inputs) {
-    if (squares.empty()) break;
     const auto column = squares[static_cast<std::size_t>(c / four)].col(c % four);
     if (sum.size() == 0) sum.setZero(column.size());
     if (const double mean = column.mean(); mean > 0.0) sum += column / mean;

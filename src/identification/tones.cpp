@@ -32,9 +32,7 @@ MatrixXd unexplained_powers(const CrossSpectra& spectra, const std::vector<int>&
   for (Index c = 0; c < q; ++c) power.col(c) = spectra.re.col(c * (c + 3) / 2);
   if (references.empty()) return power;
   for (Index first = 0; first < spectra.lines(); first += together) {
-    Lines lines{};
-    for (int k = 0; k < together; ++k)
-      lines[static_cast<std::size_t>(k)] = std::min(first + k, spectra.lines() - 1);
+    const auto lines = lines_from(first, spectra.lines());
     const SomeSpectra S(spectra.re, spectra.im, lines);
     const auto explained =
         explained_powers(S.part(references, references), S.part(references, others));

@@ -116,11 +116,10 @@ struct OrderSearch::Implementation {
   /// Some values of an output.
   void take(std::size_t output, std::span<const double> values) {
     if (begun == 0) return parts[output].count(values);
-    // as numbers of their own: a value of the loop could change what is in the part
     const auto& root = parts[output];
+    if (root.below.empty()) return;   // all that is wanted of it is found
+    const Bins places = root.places;  // a copy and a pointer, which no value of the loop changes
     const int* below = root.below.data();
-    if (root.below.empty()) return;  // all that is wanted of it is found
-    const Bins places = root.places;
     for (const double value : values) {
       const std::uint64_t key = key_of(value);
       if (const int at = below[places.of(key)]; at >= 0) go_down(at, key);

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <functional>
 #include <numeric>
 
 #include "hydrapod/base/error.hpp"
@@ -15,7 +15,7 @@ namespace {
 
 /// MAC with the nominal modes and frequencies of the followed modes, a column per row of the study;
 /// NaN where it has none.
-Eigen::MatrixXd modes_of_rows(const StudyJob& job, const Progress& progress) {
+Eigen::MatrixXd modes_of_rows(const StudyJob& job, int threads, const Progress& progress) {
   const auto& outputs = job.problem.outputs;
   const std::size_t inputs = job.problem.inputs.size(), width = inputs + outputs.size();
   std::vector<std::size_t> taken;  // numbers of a row
@@ -29,7 +29,7 @@ Eigen::MatrixXd modes_of_rows(const StudyJob& job, const Progress& progress) {
   const study::Interruptible motions(job.problem,
                                      [] { return true; });  // end where they first look
   const bool whole = numerics::parallel_for(
-      (rows + together - 1) / together, 0,
+      (rows + together - 1) / together, threads,
       [&](std::size_t piece) {
         const std::size_t first = piece * together, count = std::min(together, rows - first);
         std::vector<double> numbers(count * width);
@@ -96,6 +96,18 @@ std::vector<std::vector<char>> intervals_to_halve(const StudyJob& job, const Eig
   return halved;
 }
 
+/// Neighbours of a list are those of the number where it ascends or descends.
+void require_order(const StudyJob& job, int times) {
+  for (const auto& input : job.problem.inputs) {
+    const auto& list = input.distribution.list;
+    if (!std::ranges::is_sorted(list) && !std::ranges::is_sorted(list, std::greater{}))
+      base::refuse(fmt::format("--refine {}", times),
+                   fmt::format("halves intervals between neighbours; expected the values of {} in "
+                               "ascending or descending order",
+                               input.name));
+  }
+}
+
 std::vector<double> with_middles(const std::vector<double>& values,
                                  const std::vector<char>& halved) {
   std::vector<double> all;
@@ -112,6 +124,7 @@ std::vector<int> refine_grid(StudyJob& job, int times, const Progress& progress,
                              const RefineOptions& options) {
   if (job.plan.design != study::Design::grid)
     throw std::invalid_argument("refine_grid: the study is no grid");
+  require_order(job, times);
   const auto asked = job.plan.counts;
   const double bytes_of_row = job.bytes / static_cast<double>(job.rows);
   for (int k = 0; k < times; ++k) {
@@ -122,7 +135,8 @@ std::vector<int> refine_grid(StudyJob& job, int times, const Progress& progress,
                       "fewer values, or refine less often",
                       job.rows, k, options.most_rows));
     const auto modes = modes_of_rows(
-        job, numerics::part_of(progress, static_cast<double>(k) / times, (k + 1.0) / times));
+        job, options.threads,
+        numerics::part_of(progress, static_cast<double>(k) / times, (k + 1.0) / times));
     const auto halved = intervals_to_halve(job, modes, options);
     job.rows = 1;
     for (std::size_t d = 0; d < halved.size(); ++d) {

@@ -144,6 +144,23 @@ TEST(RefinedGrids, HaveALimit) {
   EXPECT_THROW(refine_grid(random, 1), std::invalid_argument);
 }
 
+/// In a list without order it is not known what lies between.
+TEST(RefinedGrids, HaveValuesInOrder) {
+  const auto equal = [](double x, double) { return Values{1.0, x, 0.5}; };
+  auto falling = grid_of({3.0, 1.0, 0.0}, {0.0}, equal);
+  EXPECT_THAT(refine_grid(falling, 1), testing::ElementsAre(1, 0));
+  EXPECT_THAT(values_of(falling, 0), testing::ElementsAre(3.0, 1.0, 0.5, 0.0));
+  auto mixed = grid_of({1.0, 3.0, 0.0}, {0.0}, equal);
+  try {
+    refine_grid(mixed, 1);
+    FAIL();
+  } catch (const base::InputError& error) {
+    EXPECT_STREQ(error.what(),
+                 "--refine 1: error: halves intervals between neighbours; expected the values of x "
+                 "in ascending or descending order");
+  }
+}
+
 TEST(RefinedGrids, CanBeInterrupted) {
   auto job = grid_of({0.0, 1.0}, {0.0}, [](double x, double) { return Values{1.0, x, 0.5}; });
   EXPECT_THROW(refine_grid(job, 1, [](double) { return true; }), base::ComputationError);

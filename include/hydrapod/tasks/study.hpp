@@ -73,12 +73,13 @@ struct RefineOptions {
   /// Modes veer where their least MAC with the nominal ones changes by more than `veers`.
   double veers{0.1};
   std::uint64_t most_rows{1'000'000};  ///< of a grid that is refined
+  int threads{};                       ///< 0: one per processor
 };
 
 /// Of a grid: so many times, intervals between rows whose modes cross or veer are halved, for all
 /// values of the other inputs. How many values each input got. Throws base::InputError for a grid
-/// that is too large, std::invalid_argument for a study that is none, base::ComputationError where
-/// progress stops it.
+/// that is too large or whose values are in no order, std::invalid_argument for a study that is
+/// none, base::ComputationError where progress stops it.
 std::vector<int> refine_grid(StudyJob& job, int times, const Progress& progress = {},
                              const RefineOptions& options = {});
 
