@@ -69,6 +69,7 @@ packages_python_test=(
   "python3-pip makes the wheel"
   "python3-setuptools makes the wheel"
   "python3-wheel makes the wheel"
+  "python3-h5py opens results and records as other programs do"
   "python3-xarray records as arrays with names, and tables of pandas"
   "mypy checks the types"
   "python3-matplotlib draws the plots"

@@ -24,7 +24,8 @@ namespace {
 
 struct Arguments {
   MachineArguments machine{};
-  std::vector<std::string> vary{}, over{}, worst_over{}, correlate{}, want{}, also{}, command{};
+  std::vector<std::string> vary{}, over{}, worst_over{}, correlate{}, want{}, only{}, also{},
+      command{};
   std::string until{};
   std::string samples{}, seed{};
   std::string design{};
@@ -101,6 +102,7 @@ void take_study_file(Arguments& arguments, tasks::StudyOptions& options) {
   for (const auto& given : study.vary) options.vary.push_back({given.key, given.text, given.place});
   for (const auto& given : study.want) options.want.push_back(given.text);
   for (const auto& given : study.correlate) options.correlate.push_back({given.text, given.place});
+  for (const auto& name : study.only) options.only.push_back({name, path + ": only"});
   for (const auto& name : study.also) options.also.push_back({name, path + ": also"});
   options.commands = study.command;
   options.until = study.until;
@@ -110,6 +112,21 @@ void take_study_file(Arguments& arguments, tasks::StudyOptions& options) {
   if (study.design && arguments.design.empty()) options.plan.design = *study.design;
   arguments.indices = arguments.indices || study.indices;
   arguments.buckling = arguments.buckling || study.buckling;
+}
+
+/// Of an output that is named although there is no picture, what is wrong with it is said.
+bool shows_value(const Arguments& arguments) {
+  return !arguments.plot.empty() || arguments.value != Arguments{}.value;
+}
+
+/// A picture has the end of the stroke besides its output.
+void add_what_is_shown(const Arguments& arguments, const tasks::Machine& machine,
+                       std::vector<tasks::Asked>& only) {
+  if (shows_value(arguments))
+    only.push_back({arguments.value, "--value " + base::printable(arguments.value)});
+  if (!arguments.plot.empty() &&
+      !study::why_no_output(machine.file.machine, machine.kind, "stroke"))
+    only.push_back({"stroke", "--plot"});
 }
 
 /// What is asked of the results, looked at before the work begins.
@@ -122,7 +139,8 @@ void require_results(const Arguments& arguments, const tasks::StudyJob& job) {
   if (!arguments.worst.empty() && job.requirements.empty())
     base::refuse("--worst " + arguments.worst,
                  "which sample is worst follows from the first --want");
-  if (std::ranges::find(outputs, arguments.value, &study::Column::name) == outputs.end()) {
+  if (shows_value(arguments) &&
+      std::ranges::find(outputs, arguments.value, &study::Column::name) == outputs.end()) {
     std::vector<std::string_view> names;
     for (const auto& output : outputs) names.push_back(output.name);
     const auto why =
@@ -226,6 +244,8 @@ tasks::StudyOptions options_of(Arguments& arguments, study::Design design, const
   for (const auto& text : arguments.correlate)
     options.correlate.push_back(
         {text, fmt::format("--correlate \"{}\"", base::printable(text, 100))});
+  for (const auto& name : arguments.only)
+    options.only.push_back({name, "--only " + base::printable(name)});
   for (const auto& name : arguments.also)
     options.also.push_back({name, "--also " + base::printable(name)});
   if (arguments.buckling) options.also.push_back({"buckling", "--buckling"});
@@ -298,6 +318,7 @@ void run_with(Arguments arguments, study::Design design, const char* kind) {
     const auto extra = study::extra_outputs(machine.file.machine, machine.kind);
     if (std::ranges::count(extra, arguments.value, &study::Column::name) > 0)
       options.also.push_back({arguments.value, "--value " + arguments.value});
+    if (!options.only.empty()) add_what_is_shown(arguments, machine, options.only);
     auto prepared = tasks::prepare_study(machine, options);
     require_results(arguments, prepared);
     refine(arguments, !team || team->rank() == 0, prepared);
@@ -332,6 +353,10 @@ void add_common(Command command, Arguments& arguments) {
         shown_as("NUMBER")},
        {"--seed", arguments.seed, "Seed; sample i depends on seed and i alone; default: 1",
         shown_as("NUMBER")},
+       {"--only", arguments.only,
+        "Output that is computed, and none that is not named: frequencies, modes, drops, x, …; may "
+        "be repeated",
+        one_each},
        {"--also", arguments.also,
         "Output that is computed where it is asked for: stiffness, force, sag, buckling, …; may be "
         "repeated",

@@ -55,7 +55,7 @@ def _run(machine: Machine, kind: str, progress: Optional[Progress], results: Opt
         raise ValueError("results: shard, resume and join need the file of the rows")
     with tempfile.TemporaryDirectory(prefix="hydrapod-") as folder:
         path = os.path.join(folder, "study.h5") if results is None else os.fspath(results)
-        for name in ("want", "also", "correlate", "commands"):
+        for name in ("want", "only", "also", "correlate", "commands"):
             options[name] = _checks.words(options.get(name, ()), name)
         return _core.study(_core_of(machine), kind, _checks.options(results=path, **options), progress)
 
@@ -104,18 +104,20 @@ def _checked_function(function: Any, name: str) -> None:
 
 def montecarlo(machine: Machine, vary: Mapping[str, str], *, want: Texts = (), outputs: Optional[Outputs] = None,
                samples: int = 10000, seed: int = 1, design: str = "random", indices: bool = False, modes: int = 6,
-               also: Texts = (), correlate: Texts = (), commands: Texts = (), until: Optional[Quantity] = None,
-               buckling: bool = False, threads: int = 0, results: Optional[Path] = None, resume: bool = False,
-               shard: Optional[Tuple[int, int]] = None, join: bool = False,
-               progress: Optional[Progress] = None) -> Study:
+               only: Texts = (), also: Texts = (), correlate: Texts = (), commands: Texts = (),
+               until: Optional[Quantity] = None, buckling: bool = False, threads: int = 0,
+               results: Optional[Path] = None, resume: bool = False, shard: Optional[Tuple[int, int]] = None,
+               join: bool = False, progress: Optional[Progress] = None) -> Study:
     """Scatter of numbers of the file: distributions of modes, probability of missing a requirement.
 
     vary: {PATH: "normal ± 10 %"}; normal, lognormal, uniform, triangular, "… per leg", "… per leg correlated 0.6".
-    correlate: "PATH, PATH = 0.6", correlations of two that vary. want: requirements, "x >= 6 Hz". also: outputs that
-    are computed where they are asked for: stiffness, force, velocity, acceleration, jerk, excursion (six directions
-    each), sag, oil_force, power, buckling. commands, until [s]: a motion as of simulate() that every sample makes:
-    rms_error_x …, peak_error_x …, peak_motion_x …, settling_x …, peak_speed, peak_drive, limited. outputs: {NAME:
-    function of a Machine} adds columns of your own, see Study.evaluate; where progress stops the study they are NaN.
+    correlate: "PATH, PATH = 0.6", correlations of two that vary. want: requirements, "x >= 6 Hz". only: outputs
+    besides which none is computed but those of want, also and commands: names of columns, or frequencies, modes,
+    drops. also: outputs that are computed where they are asked for: stiffness, force, velocity, acceleration, jerk,
+    excursion (six directions each), sag, oil_force, power, buckling. commands, until [s]: a motion as of simulate()
+    that every sample makes: rms_error_x …, peak_error_x …, peak_motion_x …, settling_x …, peak_speed, peak_drive,
+    limited. outputs: {NAME: function of a Machine} adds columns of your own, see Study.evaluate; where progress stops
+    the study they are NaN.
     samples: rows. design: random, latin or sobol. indices: Sobol indices, with d + 2 rows a sample. modes: those of
     the platform that are followed. buckling: the same as also="buckling". results: HDF5 file of the rows, which
     resume (go on with it), shard=(i, n) (part i of n) and join (put the parts together) need.
@@ -129,16 +131,16 @@ def montecarlo(machine: Machine, vary: Mapping[str, str], *, want: Texts = (), o
     """
     return _with_outputs(machine, "montecarlo", progress, results, outputs,
                          vary={path: _checks.word(text, path) for path, text in _paths(vary, "vary").items()},
-                         want=want, also=also, correlate=correlate, commands=commands, until=until, samples=samples,
-                         seed=seed, design=design, indices=indices, modes=modes, buckling=buckling, threads=threads,
-                         resume=resume, shard=shard, join=join)
+                         want=want, only=only, also=also, correlate=correlate, commands=commands, until=until,
+                         samples=samples, seed=seed, design=design, indices=indices, modes=modes, buckling=buckling,
+                         threads=threads, resume=resume, shard=shard, join=join)
 
 
 def sweep(machine: Machine, over: Over, *, refine: int = 0, want: Texts = (), outputs: Optional[Outputs] = None,
-          design: str = "grid", samples: int = 10000, seed: int = 1, modes: int = 6, also: Texts = (),
-          commands: Texts = (), until: Optional[Quantity] = None, buckling: bool = False, threads: int = 0,
-          results: Optional[Path] = None, resume: bool = False, shard: Optional[Tuple[int, int]] = None,
-          join: bool = False, progress: Optional[Progress] = None) -> Study:
+          design: str = "grid", samples: int = 10000, seed: int = 1, modes: int = 6, only: Texts = (),
+          also: Texts = (), commands: Texts = (), until: Optional[Quantity] = None, buckling: bool = False,
+          threads: int = 0, results: Optional[Path] = None, resume: bool = False,
+          shard: Optional[Tuple[int, int]] = None, join: bool = False, progress: Optional[Progress] = None) -> Study:
     """Modes over a grid of numbers, or over values that fill it evenly.
 
     over: {PATH: "2:20:10 kN/mm"}, a list "1, 2, 5 kN/mm", or an array in SI. outputs: {NAME: function of a
@@ -150,16 +152,17 @@ def sweep(machine: Machine, over: Over, *, refine: int = 0, want: Texts = (), ou
     C++: tasks::prepare_study in hydrapod/tasks/study.hpp.
     """
     return _with_outputs(machine, "sweep", progress, results, outputs, over=_texts(over),
-                         refine=_checks.whole(refine, "refine"), want=want, also=also, commands=commands, until=until,
-                         design=design, samples=samples, seed=seed, modes=modes, buckling=buckling, threads=threads,
-                         resume=resume, shard=shard, join=join)
+                         refine=_checks.whole(refine, "refine"), want=want, only=only, also=also, commands=commands,
+                         until=until, design=design, samples=samples, seed=seed, modes=modes, buckling=buckling,
+                         threads=threads, resume=resume, shard=shard, join=join)
 
 
 def workspace_map(machine: Machine, over: Over, *, worst_over: Optional[Over] = None, refine: int = 0,
-                  want: Texts = (), outputs: Optional[Outputs] = None, modes: int = 6, also: Texts = (),
-                  commands: Texts = (), until: Optional[Quantity] = None, buckling: bool = False, threads: int = 0,
-                  results: Optional[Path] = None, resume: bool = False, shard: Optional[Tuple[int, int]] = None,
-                  join: bool = False, progress: Optional[Progress] = None) -> Study:
+                  want: Texts = (), outputs: Optional[Outputs] = None, modes: int = 6, only: Texts = (),
+                  also: Texts = (), commands: Texts = (), until: Optional[Quantity] = None, buckling: bool = False,
+                  threads: int = 0, results: Optional[Path] = None, resume: bool = False,
+                  shard: Optional[Tuple[int, int]] = None, join: bool = False,
+                  progress: Optional[Progress] = None) -> Study:
     """Modes over the workspace.
 
     over: {DIRECTION: "-100:100:41 mm"} or arrays [m, rad]; directions x … rz, from the machine's pose. worst_over:
@@ -175,8 +178,8 @@ def workspace_map(machine: Machine, over: Over, *, worst_over: Optional[Over] = 
         raise ValueError("outputs: cannot be the worst over poses; leave worst_over out")
     return _with_outputs(machine, "map", progress, results, outputs, over=_texts(over),
                          worst_over=_texts(worst_over or {}, "worst_over"), refine=_checks.whole(refine, "refine"),
-                         want=want, modes=modes, also=also, commands=commands, until=until, buckling=buckling,
-                         threads=threads, resume=resume, shard=shard, join=join)
+                         want=want, modes=modes, only=only, also=also, commands=commands, until=until,
+                         buckling=buckling, threads=threads, resume=resume, shard=shard, join=join)
 
 
 def design(machine: Machine, change: Mapping[str, Any], *, minimise: Texts = (), maximise: Texts = (), want: Texts = (),

@@ -61,6 +61,7 @@ tasks::StudyOptions study_options(const std::string& kind, const Options& asked)
                               .correlate = texts(asked, "correlate"),
                               .want = asked.get<Names>("want"),
                               .modes = asked.get("modes", 6),
+                              .only = texts(asked, "only"),
                               .also = texts(asked, "also"),
                               .commands = asked.get<Names>("commands"),
                               .until = asked.positive("until", "s")};

@@ -130,6 +130,14 @@ bool write_attribute(hid_t object, const char* name, const std::string& text) {
   return write_scalar(object, name, type.id(), type.id(), text.c_str());
 }
 
+bool write_text_attribute(hid_t object, const char* name, const std::string& text) {
+  const Hdf5Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
+  H5Tset_size(type.id(), H5T_VARIABLE);
+  H5Tset_cset(type.id(), H5T_CSET_UTF8);
+  const char* const first = text.c_str();
+  return write_scalar(object, name, type.id(), type.id(), &first);
+}
+
 bool rewrite_attribute(hid_t object, const char* name, const std::string& text) {
   const Hdf5Handle attribute = open_attribute(object, name);
   return attribute.ok() &&

@@ -94,6 +94,8 @@ Hdf5Handle within_this_file(hid_t kind);
 
 /// All return false when HDF5 could not write.
 bool write_attribute(hid_t object, const char* name, const std::string& text);
+/// The same of variable length, which h5py and MATLAB read as text.
+bool write_text_attribute(hid_t object, const char* name, const std::string& text);
 bool write_attribute(hid_t object, const char* name, double value);
 bool write_attribute(hid_t object, const char* name, int value);
 /// Over what stands there, which is as long.

@@ -29,6 +29,29 @@ V rigid_modes(const MachineNumbers<V>& machine, const LaneOptions& options,
   return modes_of_lanes<V, 0>(model.M_rigid, model.K_rigid, model.rigid, momentum) + failed;
 }
 
+/// Where it is asked for, and for lanes whose modes repeat: their outputs follow from both models.
+template <class V, int flexible>
+HYDRAPOD_INLINE void compare_with_rigid(const MachineNumbers<V>& machine,
+                                        const LaneOptions& options,
+                                        ModelNumbers<V, flexible>& model, OutputNumbers<V>& out) {
+  const auto repeat = ~(out.repeated == 0.0);
+  const V one = V{} + 1.0;
+  if (!options.rigid && !any(repeat)) {
+    out.repeated_rigid = V{};
+    out.counterpart = out.counterpart_share = one;
+    for (int d = 0; d < 6; ++d) out.resonance_rigid[d] = out.own_rigid[d] = one;
+    return;
+  }
+  const V of_rigid = rigid_modes<V, flexible>(machine, options, model);
+  const V both = larger(out.residual, of_rigid) + 0.0 * (out.residual + of_rigid);
+  out.residual = options.rigid ? both : select(repeat, both, out.residual);
+  out.repeated_rigid = repeated<V, 0>(model.rigid, options.repeated_tolerance);
+  V all_rigid[6];
+  resonances<V, 0>(model.rigid, options.resonance_share, out.resonance_rigid, out.own_rigid,
+                   all_rigid);
+  counterpart<V>(model.rigid, out);
+}
+
 template <class V, int flexible>
 void designs_of_lanes(const LaneTask& task) {
   const auto& machine = *reinterpret_cast<const MachineNumbers<V>*>(task.machines);
@@ -38,17 +61,12 @@ void designs_of_lanes(const LaneTask& task) {
   V momentum[modes_of(flexible)][modes_of(flexible)];
   const V failed = assemble<V, flexible>(machine, options, model.M, model.K);
   const V residual = modes_of_lanes<V, flexible>(model.M, model.K, model.modes, momentum) + failed;
-  const V of_rigid = rigid_modes<V, flexible>(machine, options, model);
-  out.residual = larger(residual, of_rigid) + 0.0 * (residual + of_rigid);
+  out.residual = residual;
   out.least = least_of<V, flexible>(model.modes);
   out.repeated = repeated<V, flexible>(model.modes, options.repeated_tolerance);
-  out.repeated_rigid = repeated<V, 0>(model.rigid, options.repeated_tolerance);
-  V all_rigid[6];
   resonances<V, flexible>(model.modes, options.resonance_share, out.resonance, out.own, out.all);
-  resonances<V, 0>(model.rigid, options.resonance_share, out.resonance_rigid, out.own_rigid,
-                   all_rigid);
-  lowest_mode<V, flexible>(machine, model.modes, momentum, model.rigid, options.local_mode_energy,
-                           out);
+  lowest_mode<V, flexible>(machine, model.modes, momentum, options.local_mode_energy, out);
+  compare_with_rigid<V, flexible>(machine, options, model, out);
   V mac[modes_of(flexible)][modes_of(flexible)];
   likeness<V, flexible>(options, model.M, momentum, mac);
   follow<V, flexible>(options, mac, model.modes, out);

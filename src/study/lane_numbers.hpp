@@ -108,6 +108,7 @@ struct LaneOptions {
   double resonance_share{};     ///< MachineOptions::resonance_share
   double local_mode_energy{};   ///< modal::local_mode_energy
   double repeated_tolerance{};  ///< modal::repeated_tolerance
+  bool rigid{true};             ///< counterparts with rigid legs are asked for
   int followed{};
   const double* shapes{};  ///< of the modes that are followed, one after the other
 };

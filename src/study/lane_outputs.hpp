@@ -47,13 +47,12 @@ HYDRAPOD_INLINE void platform_momentum(const MachineNumbers<V>& machine, const V
   }
 }
 
-/// The lowest mode with platform motion: ω², main direction, ω² of its counterpart.
+/// The lowest mode with platform motion: ω², main direction, momentum of the platform.
 template <class V, int flexible>
 HYDRAPOD_INLINE void lowest_mode(const MachineNumbers<V>& machine,
                                  const ModeNumbers<V, flexible>& modes,
                                  const V (&momentum)[modes_of(flexible)][modes_of(flexible)],
-                                 const ModeNumbers<V, 0>& rigid, double local,
-                                 OutputNumbers<V>& out) {
+                                 double local, OutputNumbers<V>& out) {
   V least = V{} + no_mode, phi[6], p[6];
   for (int d = 0; d < 6; ++d) phi[d] = out.momentum[d] = V{};
   for (int k = 0; k < modes_of(flexible); ++k) {
@@ -76,6 +75,11 @@ HYDRAPOD_INLINE void lowest_mode(const MachineNumbers<V>& machine,
     main = select(larger_one, V{} + static_cast<double>(d), main);
   }
   out.direction = main;
+}
+
+/// ω² of the mode with rigid legs that is most like the lowest one, and their MAC.
+template <class V>
+HYDRAPOD_INLINE void counterpart(const ModeNumbers<V, 0>& rigid, OutputNumbers<V>& out) {
   V alike = V{} - 1.0;
   for (int k = 0; k < 6; ++k) {
     V common{};

@@ -141,6 +141,50 @@ std::vector<Column> columns_of(const Kept& kept) {
   return columns;
 }
 
+namespace {
+
+/// What a column says, and of which mode or direction.
+struct Said {
+  std::string_view what{}, of{};
+};
+
+Said said_by(std::string_view column) {
+  if (column == "direction") return {column, "lowest"};
+  if (column == "lowest" || spatial::direction_from_name(column)) return {"frequency", column};
+  if (column == "mac" || column.starts_with("mode")) return {"mode", column};
+  for (const std::string_view against_rigid : {"drop", "share", "peak"}) {
+    if (column == against_rigid) return {"drop", "lowest"};
+    if (column.starts_with(against_rigid) && column[against_rigid.size()] == '_')
+      return {"drop", column.substr(against_rigid.size() + 1)};
+  }
+  return {column, column};
+}
+
+bool belongs_to(std::string_view column, std::string_view word) {
+  const auto own = said_by(column), asked = said_by(word);
+  const bool frequency = own.what == "frequency", drop = own.what == "drop";
+  if (word == "frequencies") return frequency || own.what == "direction";
+  if (word == "modes") return own.what == "mode";
+  if (word == "drops") return drop || frequency;
+  if (column == word) return true;
+  if (asked.what == "mode") return column == "mac";
+  if (asked.what == "direction") return column == "lowest";
+  return asked.what == "drop" && own.of == asked.of && (drop || frequency);
+}
+
+}  // namespace
+
+std::vector<std::string> columns_of_word(const std::vector<Column>& columns,
+                                         std::string_view word) {
+  std::vector<std::string> names;
+  for (const auto& column : columns)
+    if (belongs_to(column.name, word)) names.push_back(column.name);
+  // what is only said beside a word does not make it one
+  const bool is_group = word == "frequencies" || word == "modes" || word == "drops";
+  if (!is_group && std::ranges::count(names, word) == 0) names.clear();
+  return names;
+}
+
 std::optional<std::string> why_no_column(const model::Machine& machine, ModelKind kind,
                                          std::string_view name) {
   const bool rigid = kind == ModelKind::rigid;

@@ -23,6 +23,7 @@ namespace {
 
 using dynamics::LinearModel;
 using dynamics::ModelKind;
+using dynamics::ModelMatrix;
 using dynamics::NormalModes;
 
 bool has_error(const std::vector<model::Finding>& findings) {
@@ -87,6 +88,21 @@ struct Sample {
   std::optional<LinearModel> flexible{}, rigid{};  ///< no rigid one: it has no equilibrium
 };
 
+/// Whether a column of which this is true is asked for.
+bool is_wanted(const MachineOptions& options, bool (*is)(std::string_view)) {
+  return !options.only || std::ranges::any_of(*options.only, is);
+}
+bool follows_modes(std::string_view name) { return name == "mac" || name.starts_with("mode"); }
+bool compares_with_rigid(std::string_view name) {
+  return name.starts_with("drop") || name.starts_with("share") || name.starts_with("peak");
+}
+
+LaneOptions lane_options_of(const Kept& kept) {
+  auto options = lane_options(kept.machine, kept.options.resonance_share);
+  options.rigid = is_wanted(kept.options, compares_with_rigid);
+  return options;
+}
+
 /// One thread's machine, set anew for each sample.
 class Evaluation {
  public:
@@ -95,9 +111,10 @@ class Evaluation {
         machine_(kept_->machine),
         extra_(machine_, kept_->options.kind, kept_->options.also),
         motion_(kept_->options.motion, kept_->options.kind, kept_->interruption),
-        designs_(usable_kernels().front(), kept_->options.kind,
-                 lane_options(machine_, kept_->options.resonance_share),
-                 kept_->nominal.followed_shapes) {
+        designs_(usable_kernels().front(), kept_->options.kind, lane_options_of(*kept_),
+                 is_wanted(kept_->options, follows_modes)
+                     ? kept_->nominal.followed_shapes
+                     : ModelMatrix(kept_->nominal.flexible.dof(), 0)) {
     for (const auto& input : kept_->inputs) {
       assignments_.push_back({input.id, 0.0});
       const auto pose = kept_->options.poses ? std::nullopt : pose_of(input.id);
@@ -278,7 +295,7 @@ class Evaluation {
   double condition_{}, stroke_left_{};
 };
 
-/// The columns that a machine has, of rows of all columns.
+/// The columns that are taken of rows of all columns.
 struct Selection {
   std::vector<std::size_t> columns{};
   std::size_t all{};
@@ -310,12 +327,16 @@ BatchModel selected(BatchModel model, const Selection& selection) {
   };
 }
 
-/// The same problem without what the machine does not have.
-Problem without_absent(Problem problem, const Kept& kept) {
+/// The same problem without what the machine does not have, and without those of the first `own`
+/// columns that are not asked for.
+Problem without_absent(Problem problem, const Kept& kept, std::size_t own) {
   Selection selection{.all = problem.outputs.size()};
   std::vector<Column> outputs;
+  const auto& only = kept.options.only;
   for (std::size_t k = 0; k < problem.outputs.size(); ++k) {
-    if (why_no_column(kept.machine, kept.options.kind, problem.outputs[k].name)) continue;
+    const auto& name = problem.outputs[k].name;
+    if (why_no_column(kept.machine, kept.options.kind, name)) continue;
+    if (only && k < own && k != Layout::status && std::ranges::count(*only, name) == 0) continue;
     selection.columns.push_back(k);
     outputs.push_back(problem.outputs[k]);
   }
@@ -342,6 +363,7 @@ Problem machine_problem(const model::Machine& machine, std::vector<Input> inputs
   Problem problem{
       .inputs = std::move(inputs), .outputs = columns_of(*kept), .status = Layout::status};
   kept->interruption = problem.interruption = std::make_shared<Interruption>();
+  const std::size_t own = problem.outputs.size();
   const ExtraOutputs extra(machine, options.kind, options.also);
   const MotionOutputs motion(options.motion, options.kind, {});
   for (const auto* columns : {&extra.columns(), &motion.columns()})
@@ -357,7 +379,7 @@ Problem machine_problem(const model::Machine& machine, std::vector<Input> inputs
       return (*evaluation)(rows);
     };
   };
-  return without_absent(std::move(problem), *kept);
+  return without_absent(std::move(problem), *kept, own);
 }
 
 model::Machine machine_of(const model::Machine& machine, const std::vector<Input>& inputs,

@@ -28,9 +28,9 @@ struct Reader {
     return fmt::format("{}:{}:{}", file, node.place.line, node.place.column);
   }
   void check_keys(const Node& root) {
-    constexpr std::array<std::string_view, 14> known{
-        "machine", "set",    "pose",    "vary",     "correlate", "want",    "samples",
-        "seed",    "design", "indices", "buckling", "also",      "command", "until"};
+    constexpr std::array<std::string_view, 15> known{
+        "machine", "set",     "pose",     "vary", "correlate", "want",    "samples", "seed",
+        "design",  "indices", "buckling", "only", "also",      "command", "until"};
     for (const auto& child : root.children) {
       if (std::ranges::count(known, std::string_view(child.key)) > 0) continue;
       const auto near = base::nearest(child.key, known);
@@ -132,6 +132,7 @@ StudyFile read_study_file(const std::string& path) {
   study.vary = reader.table(root);
   study.want = reader.list(root, "want");
   study.correlate = reader.list(root, "correlate");
+  for (const auto& given : reader.list(root, "only")) study.only.push_back(given.text);
   for (const auto& given : reader.list(root, "also")) study.also.push_back(given.text);
   for (const auto& given : reader.list(root, "command")) study.command.push_back(given.text);
   study.until = reader.seconds(root, "until");

@@ -125,6 +125,9 @@ std::vector<int> refine_grid(StudyJob& job, int times, const Progress& progress,
   if (job.plan.design != study::Design::grid)
     throw std::invalid_argument("refine_grid: the study is no grid");
   require_order(job, times);
+  if (std::ranges::count(job.problem.outputs, "mac", &study::Column::name) == 0)
+    base::refuse(fmt::format("--refine {}", times),
+                 "follows modes by their shape; expected `modes` among the outputs of --only");
   const auto asked = job.plan.counts;
   const double bytes_of_row = job.bytes / static_cast<double>(job.rows);
   for (int k = 0; k < times; ++k) {

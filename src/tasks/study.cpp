@@ -239,15 +239,19 @@ StudyJob prepare_study(const Machine& machine, const StudyOptions& options) {
   auto [inputs, outer, correlation] = study_inputs(machine, options);
   if (outer == 0) throw std::invalid_argument("prepare_study: nothing varies");
   if (job.plan.design == study::Design::grid) set_grid(std::span(inputs).first(outer), job.plan);
-  job.problem = study::machine_problem(
-      machine.file.machine, std::move(inputs),
-      {.kind = machine.kind,
-       .X_BP = machine.pose.X_BP,
-       .modes = options.modes,
-       .also = extra_outputs_of(machine, options),
-       .motion = motion_of(machine, options, job.warnings, seconds_of_motion),
-       .poses = options.poses,
-       .pose = machine.pose.name});
+  study::MachineOptions of_machine{
+      .kind = machine.kind,
+      .X_BP = machine.pose.X_BP,
+      .modes = options.modes,
+      .also = extra_outputs_of(machine, options),
+      .motion = motion_of(machine, options, job.warnings, seconds_of_motion),
+      .poses = options.poses,
+      .pose = machine.pose.name};
+  job.problem = study::machine_problem(machine.file.machine, inputs, of_machine);
+  if (auto only = only_of(machine, options, job.problem.outputs)) {
+    of_machine.only = std::move(only);
+    job.problem = study::machine_problem(machine.file.machine, inputs, of_machine);
+  }
   if (!options.worst_over.empty()) job.problem = worst_over(std::move(job.problem), outer);
   job.problem.correlation = std::move(correlation);
   for (const auto& text : options.want) {

@@ -279,20 +279,38 @@ StudyInputs study_inputs(const Machine& machine, const StudyOptions& options) {
   return found;
 }
 
+namespace {
+
+/// What a requirement bounds.
+std::string_view required_output(const std::string& text) {
+  return base::trimmed(std::string_view(text).substr(0, text.find_first_of("<>")));
+}
+
+/// Those of the extra outputs that a name stands for.
+std::vector<std::string> extra_named(const std::vector<study::Column>& extra,
+                                     const std::string& name) {
+  std::vector<std::string> names;
+  for (const auto& column : extra)
+    if (column.name == name || column.name.starts_with(name + "_")) names.push_back(column.name);
+  return names;
+}
+
+}  // namespace
+
 std::vector<std::string> extra_outputs_of(const Machine& machine, const StudyOptions& options) {
   const auto& subject = machine.file.machine;
   const auto all = study::extra_outputs(subject, machine.kind);
   std::vector<std::string> names;
   for (const auto& text : options.want) {  // what is required is computed
-    const auto name = base::trimmed(std::string_view(text).substr(0, text.find_first_of("<>")));
+    const auto name = required_output(text);
     if (std::ranges::count(all, name, &study::Column::name) > 0) names.emplace_back(name);
   }
+  for (const auto& asked : options.only)
+    for (auto& name : extra_named(all, asked.text)) names.push_back(std::move(name));
   for (const auto& asked : options.also) {
-    const auto before = names.size();
-    for (const auto& column : all)
-      if (column.name == asked.text || column.name.starts_with(asked.text + "_"))
-        names.push_back(column.name);
-    if (names.size() > before) continue;
+    auto found = extra_named(all, asked.text);
+    std::ranges::move(found, std::back_inserter(names));
+    if (!found.empty()) continue;
     require_output(subject, machine.kind, all, asked.text, asked.place);
     std::vector<std::string_view> known;
     for (const auto& column : all) known.push_back(column.name);
@@ -303,6 +321,31 @@ std::vector<std::string> extra_outputs_of(const Machine& machine, const StudyOpt
                                           near ? fmt::format("did you mean '{}'? ", *near) : "",
                                           fmt::join(known, ", ")));
   }
+  return names;
+}
+
+std::optional<std::vector<std::string>> only_of(const Machine& machine, const StudyOptions& options,
+                                                const std::vector<study::Column>& columns) {
+  if (options.only.empty()) return std::nullopt;
+  const auto& subject = machine.file.machine;
+  const auto extra = study::extra_outputs(subject, machine.kind);
+  std::vector<std::string> names;
+  for (const auto& asked : options.only) {
+    const auto found = study::columns_of_word(columns, asked.text);
+    names.insert(names.end(), found.begin(), found.end());
+    if (!found.empty() || !extra_named(extra, asked.text).empty()) continue;
+    require_output(subject, machine.kind, columns, asked.text, asked.place);
+    std::vector<std::string_view> known{"frequencies", "modes", "drops"};
+    for (const auto& column : columns) known.push_back(column.name);
+    const auto near = base::nearest(asked.text, known);
+    base::refuse(
+        asked.place,
+        fmt::format("unknown output '{}'; {}accepted are {}", base::printable(asked.text),
+                    near ? fmt::format("did you mean '{}'? ", *near) : "", fmt::join(known, ", ")));
+  }
+  for (const auto& text : options.want)
+    for (auto& name : study::columns_of_word(columns, required_output(text)))
+      names.push_back(std::move(name));
   return names;
 }
 

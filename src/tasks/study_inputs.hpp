@@ -23,6 +23,11 @@ StudyInputs study_inputs(const Machine& machine, const StudyOptions& options);
 /// Throws base::InputError for one that the machine does not have.
 std::vector<std::string> extra_outputs_of(const Machine& machine, const StudyOptions& options);
 
+/// Those of `columns` that StudyOptions::only and `want` name; none: all are asked for. Throws
+/// base::InputError for an unknown one, and for one that the machine does not have.
+std::optional<std::vector<std::string>> only_of(const Machine& machine, const StudyOptions& options,
+                                                const std::vector<study::Column>& columns);
+
 /// The number at a path. Throws base::InputError with the path that was probably meant.
 model::FileNumber number_at(const Machine& machine, const std::string& path,
                             const std::string& place);

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 
 #include "hydrapod/base/text.hpp"
 #include "support/run_program.hpp"
@@ -310,6 +311,74 @@ TEST_F(StudyFiles, AnInterruptedStudyIsNoSuccess) {
   EXPECT_LT(rows, 1000000);
   EXPECT_THAT(test::read_text(folder / "summary.json"),
               HasSubstr(fmt::format("\"rows\": {}", rows)));
+}
+
+/// Columns of a table by their titles, the cells as texts.
+std::map<std::string, std::vector<std::string>> columns_of(const std::string& table) {
+  const auto rows = rows_of(table);
+  const auto titles = base::split(rows.at(0), ",");
+  std::map<std::string, std::vector<std::string>> columns;
+  for (std::size_t k = 1; k < rows.size(); ++k) {
+    const auto cells = base::split(rows[k], ",");
+    for (std::size_t c = 0; c < titles.size(); ++c)
+      columns[std::string(titles[c])].emplace_back(cells.at(c));
+  }
+  return columns;
+}
+
+TEST_F(StudyFiles, HaveTheOutputsThatAreAskedFor) {
+  const auto table = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words{"--samples", "23", "--csv", "t.csv", "--force"};
+    words.insert(words.end(), more.begin(), more.end());
+    const auto done = masses("uniform ± 5 %", words);
+    EXPECT_EQ(done.exit_code, 0) << done.err;
+    return columns_of(test::read_text(folder.path() / "t.csv"));
+  };
+  const auto all = table({});
+  const auto some =
+      table({"--only", "x", "--only", "drop_z", "--only", "sag", "--want", "rx >= 1"});
+  std::vector<std::string> titles;
+  for (const auto& [title, cells] : some) {
+    titles.push_back(title);
+    if (title != "sag [m]") {
+      EXPECT_EQ(cells, all.at(title)) << title;
+    }
+  }
+  EXPECT_THAT(titles, testing::UnorderedElementsAre("platform.mass [kg]", "status [1]", "x [Hz]",
+                                                    "z [Hz]", "drop_z [1]", "share_z [1]",
+                                                    "peak_z [1]", "rx [Hz]", "sag [m]"));
+  test::write_text(folder.path() / "study.toml", "machine = \"" + small_machine +
+                                                     "\"\nsamples = 5\nonly = [\"modes\"]\n[vary]\n"
+                                                     "\"platform.mass\" = \"uniform ± 5 %\"\n");
+  const auto from_file = run({"montecarlo", "study.toml", "--format", "json", "--modes", "2"});
+  EXPECT_THAT(from_file.out,
+              AllOf(HasSubstr("\"mode2\""), HasSubstr("\"mac\""), Not(HasSubstr("\"lowest\""))));
+}
+
+TEST_F(StudyFiles, SayWhichOutputsThereAre) {
+  const auto said = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words{"sweep", small_machine, "--over", "platform.mass=800:900:3 kg"};
+    words.insert(words.end(), more.begin(), more.end());
+    const auto done = run(words);
+    EXPECT_EQ(done.exit_code, 2);
+    return done.err;
+  };
+  EXPECT_THAT(said({"--only", "drp_x"}), AllOf(HasSubstr("--only drp_x: error: unknown output"),
+                                               HasSubstr("did you mean 'drop_x'?"),
+                                               HasSubstr("accepted are frequencies, modes")));
+  EXPECT_THAT(said({"--only", "drop", "--model", "rigid"}),
+              HasSubstr("--only drop: error: drop compares flexible legs with rigid ones"));
+  EXPECT_THAT(said({"--only", "x", "--refine", "1"}), HasSubstr("expected `modes`"));
+  EXPECT_THAT(said({"--only", "x", "--value", "y"}), HasSubstr("add --plot FILE"));
+}
+
+TEST_F(StudyFiles, PicturesHaveWhatTheyShow) {
+  const auto done = run({"map", small_machine, "--over", "x=-30:30:4 mm", "--over", "z=-30:30:3 mm",
+                         "--only", "drop", "--plot", "m.svg", "--value", "rz"});
+  EXPECT_EQ(done.exit_code, 0) << done.err;
+  EXPECT_THAT(done.out, AllOf(HasSubstr("largest drop: "), HasSubstr("lowest frequency: "),
+                              Not(HasSubstr("condition"))));
+  EXPECT_THAT(test::read_text(folder.path() / "m.svg"), HasSubstr("rz"));
 }
 
 }  // namespace

@@ -407,6 +407,9 @@ struct MachineOptions {
   int modes{6};  ///< lowest platform modes that are followed
   /// Names of extra_outputs() that are computed too.
   std::vector<std::string> also{};
+  /// Of the columns of modes and pose these alone, and `status`; what only the others need is not
+  /// computed. None: all of them.
+  std::optional<std::vector<std::string>> only{};
   std::optional<Motion> motion{};  ///< with its outputs
   bool poses{};                    ///< inputs are displacements from X_BP, with names x … rz
   std::string pose{};  ///< name of X_BP, if it is one of the machine's poses: X_BP follows inputs
@@ -419,6 +422,11 @@ struct MachineOptions {
 /// `excursion_rz` (simulation/capability.hpp, the smaller of both senses). Microseconds to
 /// milliseconds a sample.
 std::vector<Column> extra_outputs(const model::Machine& machine, dynamics::ModelKind kind);
+
+/// Columns of machine_problem() that one word stands for: "frequencies", "modes", "drops", or a
+/// column and what is said together with it, a drop with frequency, share and peak. Empty: no such
+/// column.
+std::vector<std::string> columns_of_word(const std::vector<Column>& columns, std::string_view word);
 
 /// Number of the pose that a number of a machine belongs to, from 0; none: it is of no pose.
 std::optional<std::size_t> pose_of(const model::ParameterId& id);
@@ -482,7 +490,7 @@ struct StudyFile {
     std::string key{}, text{}, place{};
   };
   std::vector<Given> vary{}, want{}, correlate{};
-  std::vector<std::string> also{}, command{};
+  std::vector<std::string> only{}, also{}, command{};
   std::optional<double> until{};
   std::optional<std::uint64_t> samples{}, seed{};
   std::optional<Design> design{};

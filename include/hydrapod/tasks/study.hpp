@@ -33,6 +33,9 @@ struct StudyOptions {
   std::vector<std::string> want{};  ///< "x >= 6 Hz"
   study::Plan plan{};
   int modes{6};
+  /// Outputs that there are alone besides those of `want` and `also`: words of
+  /// study::columns_of_word(), or of `also`; none: all.
+  std::vector<Asked> only{};
   /// study::extra_outputs() besides those of `want`: a name, or "stiffness" for all six directions.
   std::vector<Asked> also{};
   /// A motion that every sample makes (study::Motion), as of SimulateOptions; none: no simulation.
