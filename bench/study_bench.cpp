@@ -27,16 +27,21 @@ model::Machine scattered(model::Machine machine, int design) {
   return machine;
 }
 
-/// Time per design, equilibrium from that of the nominal machine included.
-void lanes(benchmark::State& state, bool gravity) {
+enum class Outputs { all, frequencies };
+
+/// Time per design, equilibrium from that of the nominal machine included. Frequencies and main
+/// directions alone need all shapes too, but no modes with rigid legs and none that are followed.
+void lanes(benchmark::State& state, bool gravity, Outputs outputs) {
   const auto machine = published(gravity);
   const auto& X_BP = machine.neutral();
   const auto flexible = dynamics::linear_model(machine, X_BP, ModelKind::guide),
              rigid = dynamics::linear_model(machine, X_BP, ModelKind::rigid);
   const auto modes = modal::normal_modes(flexible);
-  dynamics::ModelMatrix followed = modes.shapes.leftCols(6);
-  study::LaneDesigns designs(study::usable_kernels().front(), ModelKind::guide,
-                             study::lane_options(machine, 0.05), followed);
+  const bool all = outputs == Outputs::all;
+  const dynamics::ModelMatrix followed = modes.shapes.leftCols(all ? 6 : 0);
+  auto options = study::lane_options(machine, 0.05);
+  options.rigid = all;
+  study::LaneDesigns designs(study::usable_kernels().front(), ModelKind::guide, options, followed);
   for (int lane = 0; lane < designs.lanes(); ++lane)
     designs.put(lane, study::lane_numbers(scattered(machine, lane), X_BP, &flexible.statics,
                                           &rigid.statics));
@@ -47,8 +52,10 @@ void lanes(benchmark::State& state, bool gravity) {
   for (int lane = 0; lane < designs.lanes(); ++lane)
     if (!designs.sound(lane)) state.SkipWithError("a design had to be computed alone");
 }
-BENCHMARK_CAPTURE(lanes, designs, false);
-BENCHMARK_CAPTURE(lanes, designs_gravity, true);
+BENCHMARK_CAPTURE(lanes, designs, false, Outputs::all);
+BENCHMARK_CAPTURE(lanes, designs_gravity, true, Outputs::all);
+BENCHMARK_CAPTURE(lanes, labels, false, Outputs::frequencies);
+BENCHMARK_CAPTURE(lanes, labels_gravity, true, Outputs::frequencies);
 
 /// Their frequencies without shapes, the kernel alone.
 void lane_frequencies(benchmark::State& state, bool gravity) {
@@ -119,17 +126,20 @@ void evaluate(benchmark::State& state, const study::Problem& problem) {
 }
 
 /// Rows of `hydrapod montecarlo` with the guide sleeves varied per leg, files excluded.
-void rows(benchmark::State& state, bool gravity) {
+void rows(benchmark::State& state, bool gravity, Outputs outputs) {
   model::MachineFile file;
   file.machine = published(gravity);
   const auto inputs =
       study::read_variation(file, "legs.guide_sleeve.stiffness", "normal ± 3 % per leg", "");
-  const auto problem = study::machine_problem(
-      file.machine, inputs, {.kind = ModelKind::guide, .X_BP = file.machine.neutral()});
-  evaluate(state, problem);
+  study::MachineOptions options{.kind = ModelKind::guide, .X_BP = file.machine.neutral()};
+  if (outputs == Outputs::frequencies)
+    options.only = {"lowest", "direction", "x", "y", "z", "rx", "ry", "rz"};
+  evaluate(state, study::machine_problem(file.machine, inputs, options));
 }
-BENCHMARK_CAPTURE(rows, study, false);
-BENCHMARK_CAPTURE(rows, study_gravity, true);
+BENCHMARK_CAPTURE(rows, study, false, Outputs::all);
+BENCHMARK_CAPTURE(rows, study_gravity, true, Outputs::all);
+BENCHMARK_CAPTURE(rows, labels, false, Outputs::frequencies);
+BENCHMARK_CAPTURE(rows, labels_gravity, true, Outputs::frequencies);
 
 /// Poses of `hydrapod map` over x, y and rz, files excluded.
 void poses(benchmark::State& state) {
