@@ -4,6 +4,13 @@ const minus = (text: string): string => text.replace(/^-/, '−');
 
 export const fixed = (value: number, digits: number): string => minus(value.toFixed(digits));
 
+/** Does the reader's language write "2,5"? */
+const decimalComma = (1.5).toLocaleString().includes(',');
+
+/** A typed number with a decimal point, and with a decimal comma where the reader's language has it. */
+export const withPoint = (text: string): string =>
+  decimalComma ? text.replace(/^([^.,]*),(\d*)(?![\d.,])/, '$1.$2') : text;
+
 /** With at most `digits` significant digits: "0.0123", "−40". */
 export const significant = (value: number, digits: number): string =>
   String(Number(value.toPrecision(digits))).replace('-', '−');

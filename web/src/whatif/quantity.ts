@@ -2,6 +2,7 @@
 
 import type { Parameter } from '../core/core';
 import type { Editable } from '../document';
+import { withPoint } from '../numbers';
 
 export interface Unit {
   name: string;
@@ -30,7 +31,7 @@ export function read(
   parameter: Parameter,
 ): { value: number } | { problem: string } {
   const shown = unitOf(editable, parameter);
-  const found = /^([-+−]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)\s*(.*)$/i.exec(text.trim());
+  const found = /^([-+−]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)\s*(.*)$/i.exec(withPoint(text.trim()));
   const number = found ? Number(found[1]!.replace('−', '-')) : Number.NaN;
   if (!found || !Number.isFinite(number))
     return { problem: `“${text.trim()}” is not a number, expected one such as ${inUnit(parameter.value, shown)}` };
