@@ -308,3 +308,24 @@ test('no section lies over another, wherever the page is scrolled to', async () 
     }
   });
 });
+
+test('with colours of the system, keys keep theirs, and what is chosen can be told', async () => {
+  const words = [model('heavy-platform.toml'), '--pose', 'neutral', '--pose', 'low', '--command', 'step z=5 mm', '--until', '0.5 s'];
+  await withPage(report(...words), { ...still, forcedColors: 'active' }, async (page) => {
+    const styles = (selector, property) =>
+      page.locator(selector).evaluateAll((all, name) => all.map((e) => getComputedStyle(e)[name]), property);
+    for (const [selector, property] of [
+      ['#modes .swatch', 'backgroundColor'],
+      ['.check-result .legend .limit', 'backgroundColor'],
+      ['#simulation .legend .line', 'borderTopColor'],
+    ]) {
+      const colours = await styles(selector, property);
+      assert.ok(colours.length > 2 && new Set(colours).size >= colours.length - 1, `${selector}: ${colours}`);
+    }
+    for (const name of ['.poses button', '.mode-number', '.directions button']) {
+      const [on, off] = [await styles(`${name}[aria-pressed="true"]`, 'backgroundColor'), await styles(`${name}[aria-pressed="false"]`, 'backgroundColor')];
+      assert.ok(on.length > 0 && off.length > 0 && !off.includes(on[0]), `${name}: ${on} beside ${off}`);
+    }
+    assert.deepEqual(await styles('#modes tr.chosen', 'outlineStyle'), ['solid']);
+  });
+});
