@@ -262,3 +262,14 @@ test('no section without a diagnosis', async () => {
     assert.equal(await page.locator('#diagnosis').count(), 0);
   });
 });
+
+test('on paper a diagnosis has the usual pictures beside that of the mode it shows first; --modes has its own', async () => {
+  for (const [words, only] of [[[], null], [['--modes', '2'], '2']])
+    await withPage(report(heavy, ...stiff, '--diagnose', modes, ...words), still, async (page) => {
+      const first = await page.evaluate(() => window.hydrapod.state.mode.number);
+      const captions = await page.locator('#pictures figcaption strong').allTextContents();
+      const numbers = captions.map((caption) => /^Mode (\d+)/.exec(caption)[1]);
+      if (only) assert.deepEqual(numbers, [only]);
+      else assert.ok(numbers.length >= 4 && numbers.length <= 6 && numbers.includes(String(first)), `${numbers}`);
+    });
+});

@@ -334,15 +334,17 @@ const platformShare = (mode: Mode): number =>
 
 /**
  * The modes shown in print: those of --modes, else at most six without local seal modes: the
- * lowest three with a tenth of the energy in the platform, and those that move it most.
+ * lowest three with a tenth of the energy in the platform, and those that move it most. A diagnosis
+ * without --modes names the mode that is shown first, which is one of them.
  */
 export function pictured(report: Report, pose: PoseReport): Mode[] {
-  if (report.pictured_modes.length > 0)
-    return report.pictured_modes.flatMap((number) => pose.modes.filter((m) => m.number === number));
+  const named = report.pictured_modes.flatMap((number) => pose.modes.filter((m) => m.number === number));
+  const asked = report.reproduction?.command.some((word) => /^--modes(=|$)/.test(word)) ?? true;
+  if (named.length > 0 && (asked || !report.diagnosis)) return named;
   const felt = pose.modes.filter((mode) => mode.moves_platform);
   const lowest = felt.filter((mode) => platformShare(mode) >= 0.1).slice(0, 3);
   const moving = [...felt].sort((a, b) => platformShare(b) - platformShare(a));
-  return [...new Set([...lowest, ...moving])].slice(0, 6).sort((a, b) => a.number - b.number);
+  return [...new Set([...named, ...lowest, ...moving])].slice(0, 6).sort((a, b) => a.number - b.number);
 }
 
 /** The mode that is shown when the page opens. */
