@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <charconv>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -95,6 +96,23 @@ bool has_signature(std::string_view text) {
   return text.substr(begin == text.npos ? 0 : begin + 1).starts_with(signature);
 }
 
+bool is_number(std::string_view word) {
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  return error == std::errc{} && end == word.data() + word.size();
+}
+
+/// Results for Dakota: values with their labels, gradients in brackets, or a failure.
+bool is_evaluation(std::string_view text) {
+  const auto lines = base::split(base::trimmed(text), "\n");
+  return std::ranges::all_of(lines, [](std::string_view line) {
+    const auto words = base::split(base::trimmed(line), " ");
+    if (words.size() == 1) return words[0] == "FAIL";
+    if (words.front() != "[") return words.size() == 2 && is_number(words[0]) && !is_number(words[1]);
+    return words.back() == "]" && std::all_of(words.begin() + 1, words.end() - 1, is_number);
+  });
+}
+
 /// Whether the file says that hydrapod wrote it. Prose that only speaks of hydrapod does not.
 bool is_own_result(std::string_view text) {
   const std::string_view begin = base::trimmed(text.substr(0, 256));
@@ -107,7 +125,7 @@ bool is_own_result(std::string_view text) {
                            begin.starts_with('$') || begin.starts_with("-1") ||
                            text.find('\0') != text.npos;
   if (of_programs) return text.find("hydrapod") != text.npos;
-  return has_own_titles(text) || has_signature(text);
+  return has_own_titles(text) || has_signature(text) || is_evaluation(text);
 }
 
 /// Pictures have nobody's name in them. What is no text is not judged: its contents are known by
@@ -212,7 +230,6 @@ void check_outputs(const std::vector<NamedFile>& inputs, const std::vector<Named
         fault(output,
               fmt::format("{} writes the same file; choose another name", outputs[other].option));
     if (is_input || force) continue;
-    if (output.existing == Existing::replaced) continue;
     if (const auto kind =
             output.existing == Existing::kept ? existing_file(output.path) : kept_kind(output.path))
       fault(output, fmt::format("a {} exists there and was left as it is; choose another name, or "
@@ -222,8 +239,7 @@ void check_outputs(const std::vector<NamedFile>& inputs, const std::vector<Named
   if (!faults.empty()) throw base::InputError(faults);
   for (const auto& output : outputs) {
     std::error_code ignored;
-    if (!force && output.existing != Existing::replaced && is_file_name(output.path) &&
-        !fs::exists(output.path, ignored))
+    if (!force && is_file_name(output.path) && !fs::exists(output.path, ignored))
       base::expect_no_file(output.path,
                            [kept = output.existing == Existing::kept](const std::string& path) {
                              return kept || kept_kind(path).has_value();

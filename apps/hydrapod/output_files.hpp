@@ -18,9 +18,8 @@ namespace hydrapod::cli {
 
 /// Of an output that exists already.
 enum class Existing {
-  judged,   ///< by its contents, as above
-  kept,     ///< whatever it is, it is replaced with --force only
-  replaced  ///< another program asks for it under this name
+  judged,  ///< by its contents, as above
+  kept     ///< whatever it is, it is replaced with --force only
 };
 
 /// A file name that an option was given.

@@ -306,7 +306,10 @@ Diagnosis diagnose(const model::MachineFile& file, const observation::Targets& m
   for (auto& e : singles) d.hypotheses.push_back(std::move(e));
   rank(d);
   if (!watch.stopped() && pairs_can_win(d)) try_pairs(evidence, options, d, watch);
-  judge(d);
+  if (watch.stopped())  // what is best so far may not be so in the end
+    d.finding = Finding::interrupted;
+  else
+    judge(d);
   find_slips(file, kind, d);
   if (!d.equivalent.empty() && options.common_share == 0.0)
     widen(evidence, d, options.frequency_error, watch);

@@ -94,7 +94,9 @@ bool has_modes(const model::MachineFile& file, const observation::Targets& targe
 
 void find_slips(const model::MachineFile& file, dynamics::ModelKind kind, Diagnosis& d) {
   constexpr std::size_t most = 50;  // poses that are tried
-  if (d.finding == Finding::nominal || d.finding == Finding::nothing_to_blame) return;
+  if (d.finding == Finding::nominal || d.finding == Finding::nothing_to_blame ||
+      d.finding == Finding::interrupted)
+    return;
   auto targets = d.targets;
   targets.responses.clear();
   const std::string stated = targets.modes.front().pose;

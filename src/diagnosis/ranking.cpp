@@ -168,8 +168,15 @@ void judge(Diagnosis& d) {
     d.finding = Finding::cannot_tell;
     return;
   }
-  std::erase_if(d.equivalent,
-                [&](std::size_t k) { return why_unexplained(d, d.hypotheses[k]).has_value(); });
+  // beside one that explains the data, one of nearly the same BIC is no less likely because the
+  // data refute it by a little more
+  const auto why_not = [&](std::size_t k) { return why_unexplained(d, d.hypotheses[k]); };
+  const bool any = !std::ranges::all_of(d.equivalent,
+                                        [&](std::size_t k) { return why_not(k).has_value(); });
+  std::erase_if(d.equivalent, [&](std::size_t k) {
+    const auto why = why_not(k);
+    return why && !(any && why == Unexplained::misfit);
+  });
   if (d.equivalent.empty()) {
     d.unexplained = why_unexplained(d, d.judged());
     if (needs_no_cause(d)) {

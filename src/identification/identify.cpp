@@ -24,6 +24,7 @@
 #include "residual_tests.hpp"
 #include "search.hpp"
 #include "selection.hpp"
+#include "set_ups.hpp"
 #include "twins.hpp"
 #include "usable.hpp"
 #include "weak_modes.hpp"
@@ -354,6 +355,7 @@ Identification identify_modes(const FrequencyResponses& all, const IdentifyOptio
   try_windows(given, asked, identified, progress, result);
   warn_of_twins(asked, result);
   if (!given.whole) find_common_poles(result);
+  warn_of_set_ups(result);
   if (!given.has_errors()) remove_errors(result.responses);
   return result;
 }

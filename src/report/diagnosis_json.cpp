@@ -327,7 +327,7 @@ void describe_discriminator(Fields& f, Discriminator& x, const Diagnosis& d) {
 
 template <class Fields>
 void describe_diagnosis(Fields& f, Diagnosis& d) {
-  f.word("finding", d.finding, words_of<Finding, 7>(finding_word));
+  f.word("finding", d.finding, words_of<Finding, 8>(finding_word));
   if constexpr (!Fields::reads) {
     f.derived("reasons", reason_words(d));
     f.derived("notes", note_words(d));

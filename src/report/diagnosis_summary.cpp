@@ -18,7 +18,7 @@ using namespace diagnosis;
 
 using base::two_pi;
 constexpr double notable_drop = 0.01;
-constexpr const char* interrupted = "Interrupted: not all hypotheses were tried.";
+constexpr const char* interrupted = "Interrupted: not all that follows from it was computed.";
 
 std::string frequency_text(double omega) {
   return fmt::format("{:.{}f} Hz", omega / two_pi, omega < 10.0 * two_pi ? 2 : 1);
@@ -336,6 +336,11 @@ std::string finding_sentence(const Diagnosis& d) {
           "The data cannot tell the cause: {} measured values are too few for the candidate causes "
           "that explain them.",
           d.values);
+    case Finding::interrupted:
+      return fmt::format(
+          "Interrupted: not all hypotheses were tried; no cause is identified. The {} that were "
+          "tried are listed, best first.",
+          d.hypotheses.size());
     case Finding::do_not_belong:
       break;
   }
@@ -370,7 +375,6 @@ std::vector<std::string> summary(const CaseFile& file, bool brief) {
       if (d.finding == Finding::unexplained || d.finding == Finding::cannot_tell)
         add_drops(d, words);
       for (const auto& note : note_words(d)) words.push_back(capital(note) + ".");
-      if (d.interrupted) words.push_back(interrupted);
       return words;
     }
     if (d.finding == Finding::undecided)

@@ -212,7 +212,7 @@ std::string direction_words(const std::string& direction) {
 
 const char* finding_word(Finding finding) {
   constexpr std::array words{"no cause",    "nominal machine", "cause identified", "undecided",
-                             "unexplained", "mismatch",        "too few values"};
+                             "unexplained", "mismatch",        "too few values",   "interrupted"};
   return words.at(static_cast<std::size_t>(finding));
 }
 
@@ -366,7 +366,7 @@ std::string unexplained_text(const Diagnosis& d) {
 std::vector<std::string> reason_words(const Diagnosis& d) {
   std::vector<std::string> words;
   for (const auto& objection : d.objections) words.push_back(objection_text(objection));
-  if (!words.empty() || !d.equivalent.empty()) return words;
+  if (!words.empty() || !d.equivalent.empty() || d.finding == Finding::interrupted) return words;
   if (d.finding == Finding::cannot_tell) {
     if (const auto* e = fits_anything(d)) {
       words.push_back(fmt::format(

@@ -439,6 +439,16 @@ std::string warning_text(const identification::ModeWarning& w) {
           "{} of {} modes, from {:.4g} Hz to {:.4g} Hz, {} that all responses have in common: "
           "those of a filter that all sensors pass and the inputs do not, and no modes",
           w.count, w.total, w.from, w.to, w.count == 1 ? "is a pole" : "are poles");
+    case Kind::set_ups:
+      return fmt::format(
+          "{} of {} modes stand in pairs, as at {:.5g} Hz and {:.5g} Hz: the lower one of each "
+          "pair "
+          "moves {} and the higher one the rest: these outputs were measured while the machine had "
+          "other frequencies, and it has half as many modes",
+          w.count, w.total, w.from, w.to,
+          w.value > 1.0 ? fmt::format("{} and {:.0f} other output{}", w.output, w.value - 1.0,
+                                      w.value > 2.0 ? "s" : "")
+                        : w.output + " alone");
     case Kind::conjugated:
       return fmt::format(
           "the phases rise through the resonances: from {:.4g} Hz to {:.4g} Hz modes leave {} % "

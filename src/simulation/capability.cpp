@@ -182,7 +182,7 @@ class Excursion {
  public:
   Excursion(const model::Machine& machine, const std::array<ServoAxis, leg_count>& axes,
             const Pose& X_BP)
-      : machine_(machine), axes_(axes), X_BP_(X_BP) {}
+      : machine_(machine), axes_(axes), X_BP_(X_BP), side_(determinant(X_BP)) {}
 
   [[nodiscard]] Reach find(int direction, int sign) const {
     const double size = kinematics::pose_quality(machine_, X_BP_).characteristic_length;
@@ -227,13 +227,20 @@ class Excursion {
       if (limits.platform && at.platform_tilt > *limits.platform)
         return Reach{.limit = Limit::platform_joint, .leg = i};
     }
-    if (kinematics::is_singular(machine_, X)) return Reach{.limit = Limit::singular};
+    // a step may pass a singular pose
+    if (kinematics::is_singular(machine_, X) || !(determinant(X) * side_ > 0.0))
+      return Reach{.limit = Limit::singular};
     return {};
+  }
+  [[nodiscard]] double determinant(const Pose& X) const {
+    return kinematics::leg_jacobian(kinematics::inverse_kinematics(machine_, X), X.p_BP)
+        .determinant();
   }
 
   const model::Machine& machine_;
   const std::array<ServoAxis, leg_count>& axes_;
   Pose X_BP_;
+  double side_;  ///< sign of the determinant where it begins
 };
 
 /// What the pump can give for good, and what motions of the legs draw.

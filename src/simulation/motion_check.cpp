@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "hydrapod/kinematics/legs.hpp"
 
@@ -42,7 +44,9 @@ class MotionCheck {
 
   void see(double time, const control::Command& command) {
     const auto legs = kinematics::inverse_kinematics(machine_, command.X_BP);
-    const Vector6 rates = kinematics::leg_jacobian(legs, command.X_BP.p_BP) * command.velocity;
+    const spatial::Matrix6 J = kinematics::leg_jacobian(legs, command.X_BP.p_BP);
+    see_side(time, J.determinant());
+    const Vector6 rates = J * command.velocity;
     for (int i = 0; i < model::leg_count; ++i) {
       auto& found = legs_[static_cast<size_t>(i)];
       const auto& stops = plant_.axis(i).stops;
@@ -69,10 +73,21 @@ class MotionCheck {
           fmt::format("the commanded motion passes a singular pose at {:.4g} s: condition of the "
                       "Jacobian {:.2g}, accepted below {:.0g}",
                       singular_.time, singular_.value, kinematics::singular_condition));
+    else if (passed_at_)
+      add(base::Severity::error,
+          fmt::format("the commanded motion passes a singular pose at {:.4g} s: the determinant of "
+                      "the Jacobian changes its sign",
+                      *passed_at_));
     return std::move(findings_);
   }
 
  private:
+  /// A motion may be past a singular pose from one sample to the next.
+  void see_side(double time, double determinant) {
+    if (side_ * determinant < 0.0 && !passed_at_) passed_at_ = time;
+    side_ = determinant;
+  }
+
   void see_joints(double time, const Pose& X_BP) {
     const auto angles = kinematics::joint_angles(machine_, X_BP);
     for (size_t i = 0; i < model::leg_count; ++i) {
@@ -129,6 +144,8 @@ class MotionCheck {
   bool has_joint_limits_{};
   std::array<LegFindings, model::leg_count> legs_{};
   Worst singular_{};
+  double side_{};  ///< determinant of the last Jacobian
+  std::optional<double> passed_at_{};
   std::vector<MotionFinding> findings_{};
 };
 

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -115,9 +116,23 @@ class Designer {
     return all;
   }
 
+  /// As many as take a twentieth of a second: between them an interruption is noticed.
+  std::size_t designs_together() const {
+    constexpr std::size_t most = 64;
+    constexpr double long_enough = 0.05;  // [s]
+    const auto begun = std::chrono::steady_clock::now();
+    const auto values = values_at(problem_.changes, archive_.t.front());
+    for (const auto& pose : problem_.poses) {
+      std::vector<double> outputs(problem_.outputs.size(), missing);
+      DesignModel(problem_, pose, wanted_).outputs(values, outputs);
+    }
+    const std::chrono::duration<double> one = std::chrono::steady_clock::now() - begun;
+    return std::clamp<std::size_t>(static_cast<std::size_t>(long_enough / one.count()), 1, most);
+  }
+
   void take_samples() {
-    constexpr std::size_t together = 64;
     archive_.t = places();
+    const std::size_t together = designs_together();
     const std::size_t count = archive_.t.size(), poses = problem_.poses.size();
     archive_.values.resize(count);
     archive_.outputs.assign(count, std::vector(poses, std::vector<double>()));

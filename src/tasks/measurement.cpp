@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
+#include <numbers>
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/text.hpp"
@@ -210,6 +212,15 @@ std::optional<double> window_taken_out(const data::FrequencyResponses& responses
   return said->value;
 }
 
+/// Of noise times e^(−at), lines d·Δf apart: ∫ e^(−2at) e^(−2πi d Δf t) dt by ∫ e^(−2at) dt.
+std::vector<std::complex<double>> covariance_under_window(double a, double step) {
+  constexpr double least = 0.2;
+  std::vector<std::complex<double>> covariance{1.0};
+  for (int d = 1; d < 1000 && std::abs(covariance.back()) > least; ++d)
+    covariance.push_back(1.0 / std::complex(1.0, std::numbers::pi * d * step / a));
+  return covariance;
+}
+
 /// What samples times e^(−at) show is H(a + iω).
 void take_out_window(const MeasureOptions& options, Measured& measured) {
   if (const auto known = window_taken_out(measured.responses())) {
@@ -235,6 +246,9 @@ void take_out_window(const MeasureOptions& options, Measured& measured) {
                                     options.files.front()));
   auto& responses = m.responses;
   responses.shift += 1.0 / *window;
+  if (responses.lines() > 1)
+    responses.line_covariance =
+        covariance_under_window(responses.shift, responses.frequency[1] - responses.frequency[0]);
   responses.on_axis.clear();
   const data::ResponseWarning warning{.kind = data::ResponseWarning::Kind::exponential_window,
                                       .value = *window,

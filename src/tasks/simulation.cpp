@@ -93,12 +93,13 @@ class RecordFile {
 
 /// The settings that the controller ran with.
 std::string controller_text(const control::ControllerParameters& p) {
+  constexpr std::array<const char*, 3> feedbacks{"pressure", "acceleration", "none"};
   return fmt::format(
       "space={}, gain={:.6g} 1/s, integral_time={:.6g} s, velocity_feedforward={:.6g}, "
       "damping_feedback={}, feedback_gain={:.6g}, feedback_corner={:.6g} rad/s, "
       "sample_time={:.6g} s, delay={:.6g} samples",
       p.space == model::ControlSpace::pose ? "pose" : "legs", fmt::join(p.gain, " "),
-      p.integral_time, p.velocity_feedforward, static_cast<int>(p.feedback),
+      p.integral_time, p.velocity_feedforward, feedbacks.at(static_cast<std::size_t>(p.feedback)),
       fmt::join(p.feedback_gain, " "), p.feedback_corner, p.sample_time, p.delay);
 }
 

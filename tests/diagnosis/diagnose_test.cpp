@@ -325,6 +325,8 @@ TEST(Diagnose, StopsWhenAskedToWithWhatThereIs) {
                           [](double share) { return share > 0.05; });
   EXPECT_TRUE(d.interrupted);
   EXPECT_GT(d.hypotheses.size(), 1U);
+  EXPECT_EQ(d.finding, Finding::interrupted);  // what is best so far may not be so in the end
+  EXPECT_TRUE(d.equivalent.empty());
 }
 
 // Wrong use: no part may be blamed.

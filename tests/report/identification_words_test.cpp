@@ -134,7 +134,14 @@ std::vector<identification::ModeWarning> mode_warnings() {
            .from = 76.69,
            .to = 100.3,
            .count = 3,
-           .total = 7}};
+           .total = 7},
+          {.kind = Kind::set_ups,
+           .value = 3,
+           .from = 7.92,
+           .to = 8.0004,
+           .output = "y3",
+           .count = 10,
+           .total = 10}};
 }
 
 /// Every kind has its example, and each stands word for word in docs/howto/identify.md.

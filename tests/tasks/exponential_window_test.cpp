@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <numbers>
 #include <vector>
 
@@ -98,6 +99,25 @@ TEST(ExponentialWindow, IsReadFromNotesAndMeantForResponsesToo) {
   const auto found = identified(folder / "plain.uff", tau);
   const double omega = std::abs(identification::beam().modes[0].pole);
   EXPECT_NEAR(nearest(found, omega).fit.damping_ratio(), 0.0113, 0.0006);
+}
+
+/// Noise under a window goes on from line to line: the sum over its samples says how far.
+TEST(ExponentialWindow, CorrelatesNoiseOfLines) {
+  const TemporaryFolder folder;
+  data::write_record(folder / "hit.h5", windowed_hit(6, Windowed::all), data::RecordFormat::hdf5);
+  const auto r = tasks::shared_responses(
+      tasks::frf({.files = {folder / "hit.h5"}, .exponential_window = tau}));
+  ASSERT_GT(r.line_covariance.size(), 5U);
+  const double step = r.frequency[1] - r.frequency[0];
+  std::vector<std::complex<double>> sums(r.line_covariance.size());
+  for (int k = 0; k < 8.0 / r.shift * identification::hammer_rate; ++k) {
+    const double t = k / identification::hammer_rate;
+    for (std::size_t d = 0; d < sums.size(); ++d)
+      sums[d] += std::exp(-2.0 * r.shift * t) *
+                 std::polar(1.0, -2.0 * std::numbers::pi * static_cast<double>(d) * step * t);
+  }
+  for (std::size_t d = 0; d < sums.size(); ++d)
+    EXPECT_LT(std::abs(r.line_covariance[d] - sums[d] / sums[0]), 0.01) << d;
 }
 
 TEST(ExponentialWindow, ThatCannotHaveBeenIsRefused) {

@@ -223,7 +223,8 @@ enum class Finding {
   undecided,         ///< several explain it equally well
   unexplained,       ///< nothing in the list explains it; the best one says what it misses
   do_not_belong,     ///< machine and data do not belong together; so do `objections`, if any
-  cannot_tell        ///< only hypotheses with as many numbers as values explain it
+  cannot_tell,       ///< only hypotheses with as many numbers as values explain it
+  interrupted        ///< before all hypotheses were tried
 };
 
 /// Why a hypothesis does not explain what was measured; the first that holds.

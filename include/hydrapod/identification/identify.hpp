@@ -364,7 +364,9 @@ struct ModeWarning {
     window,        ///< the responses are averages with this window, in blocks of value [s]
     twins,         ///< `count` of `total` modes; a pair: `from`, `to` [Hz], value half widths apart
     moved,         ///< twins that are one resonance; `share` of the outputs not explained there
-    common_poles   ///< `count` of `total` modes, `from` … `to`; value: damping of the lowest one
+    common_poles,  ///< `count` of `total` modes, `from` … `to`; value: damping of the lowest one
+    set_ups  ///< `count` of `total` modes in pairs, the first `from` and `to`; the lower one of
+             ///< a pair moves `value` outputs, `output` and others, the higher one the rest
   };
   Kind kind{};
   double value{}, from{}, to{}, smooth{}, share{};
