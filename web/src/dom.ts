@@ -143,8 +143,20 @@ export function onNewWidth(element: Element, act: () => void): void {
   }).observe(element);
 }
 
+/** Of the text on A4 with the margins of print.css [px]. */
+export const paper = 680;
+
+/** Calls `act` before a print and after it: what is drawn for a width has that of the paper meanwhile. */
+export function onPrint(act: (printed: boolean) => void): void {
+  for (const event of ['beforeprint', 'afterprint']) addEventListener(event, () => act(event === 'beforeprint'));
+}
+
 /** What to do with the page: nothing for paper. */
 export const how = (words: string): HTMLElement => html('span', { class: 'how' }, words);
+
+/** On paper in place of what is still being calculated. */
+export const notReady = (what: string): HTMLElement =>
+  html('span', { class: 'print-only not-ready' }, `${what} was not calculated yet when this page was printed.`);
 
 /** Offers `content` as a file, made here and now. */
 export function download(name: string, content: Blob): void {

@@ -1,7 +1,7 @@
 // Diagrams over one frequency axis, one below the other, that share their cursor.
 
 import uPlot from 'uplot';
-import { describeCanvas, html } from '../dom';
+import { describeCanvas, html, onPrint, paper } from '../dom';
 import { axisStyle, palette } from '../palette';
 import { frequencyAxis } from './axes';
 
@@ -25,19 +25,15 @@ export function fitWidth(plots: uPlot[], width: number): void {
   for (const plot of plots) if (plot.width !== width) plot.setSize({ width, height: plot.height });
 }
 
-/** Of the text on A4 with the margins of print.css [px]. */
-export const paper = 680;
-
 /** The diagrams in `element` have its width, or on paper that of the paper. */
 export function followWidth(element: HTMLElement, plots: () => uPlot[]): void {
   let printed = false;
   const fit = () => fitWidth(plots(), printed ? paper : widthIn(element));
   new ResizeObserver(fit).observe(element);
-  for (const event of ['beforeprint', 'afterprint'])
-    addEventListener(event, () => {
-      printed = event === 'beforeprint';
-      fit();
-    });
+  onPrint((now) => {
+    printed = now;
+    fit();
+  });
 }
 
 export class DiagramStack {

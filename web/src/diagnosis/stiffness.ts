@@ -2,7 +2,7 @@
 
 import { magnitudeTicks } from '../bode/ticks';
 import type { Remedy } from '../document';
-import { html, onNewWidth, svg } from '../dom';
+import { html, onNewWidth, onPrint, paper, svg } from '../dom';
 import { plain, significant, tick } from '../numbers';
 import { niceLevels } from '../workspace/contour';
 
@@ -109,6 +109,7 @@ function curve(remedy: Remedy, machine: string, width: number): SVGSVGElement {
 /** As wide as it stands in the page, so that its text keeps its size. */
 export class StiffnessPicture {
   readonly element = html('figure', {});
+  private printed = false;
 
   constructor(
     private readonly remedy: Remedy,
@@ -116,9 +117,14 @@ export class StiffnessPicture {
   ) {
     this.draw();
     onNewWidth(this.element, () => this.draw());
+    onPrint((printed) => {
+      this.printed = printed;
+      this.draw();
+    });
   }
 
   private room(): number {
+    if (this.printed) return paper;
     return Math.min(widest, Math.max(narrowest, this.element.clientWidth || widest));
   }
 

@@ -1,6 +1,6 @@
 // The stabilisation chart: poles by frequency and model order, and the mode indicator.
 
-import { html, svg } from '../dom';
+import { html, onPrint, paper, svg } from '../dom';
 import { fixed, hertz } from '../numbers';
 import { palette } from '../palette';
 import type { Choice } from './choice';
@@ -54,6 +54,7 @@ export class Chart {
   private marks: Mark[] = [];
   private picture: SVGSVGElement = svg('svg');
   private width = 0;
+  private printed = false;
 
   constructor(
     private readonly data: Identification,
@@ -62,6 +63,10 @@ export class Chart {
     new ResizeObserver(() => {
       if (this.room() !== this.width) this.draw();
     }).observe(this.element);
+    onPrint((printed) => {
+      this.printed = printed;
+      this.draw();
+    });
     this.element.append(this.picture, this.readout);
     this.tell(null);
   }
@@ -112,6 +117,7 @@ export class Chart {
   }
 
   private room(): number {
+    if (this.printed) return paper;
     return Math.max(280, this.element.clientWidth || 900);
   }
 

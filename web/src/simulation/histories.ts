@@ -2,9 +2,9 @@
 // the machine is shown at.
 
 import uPlot from 'uplot';
-import { fitWidth, paper } from '../bode/stack';
+import { fitWidth } from '../bode/stack';
 import { directions, type Simulation } from '../document';
-import { button, controlRow, describeCanvas, html } from '../dom';
+import { button, controlRow, describeCanvas, html, onPrint, paper } from '../dom';
 import { fixed, significant } from '../numbers';
 import { axisStyle, palette } from '../palette';
 import { drawnPoints, Line, nearest } from './lines';
@@ -104,11 +104,10 @@ export class Histories {
       this.fill();
     };
     new ResizeObserver(fit).observe(this.grid);
-    for (const event of ['beforeprint', 'afterprint'])
-      addEventListener(event, () => {
-        this.printed = event === 'beforeprint';
-        fit();
-      });
+    onPrint((printed) => {
+      this.printed = printed;
+      fit();
+    });
   }
 
   get view(): [number, number] {

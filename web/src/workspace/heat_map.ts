@@ -2,7 +2,7 @@
 
 import { map, mapStatus } from '../core/core';
 import { directions } from '../document';
-import { html, onNewWidth, svg } from '../dom';
+import { html, onNewWidth, onPrint, paper, svg } from '../dom';
 import { keepInPlace } from '../in_place';
 import { significant } from '../numbers';
 import { contour, niceLevels } from './contour';
@@ -59,6 +59,7 @@ export class HeatMap {
   private readonly reasons = html('ul', { class: 'legend' });
   readonly element = html('div', { class: 'heat-map-box' }, this.picture, this.reasons);
   private width = widest;
+  private printed = false;
   private field: Field | null = null;
   private marked: readonly number[] | null = null;
   private shown: [field: Field, quantity: Quantity, title: string] | null = null;
@@ -80,6 +81,10 @@ export class HeatMap {
     });
     this.picture.addEventListener('pointermove', (event) => this.picture.hasPointerCapture(event.pointerId) && move(event));
     onNewWidth(this.picture, () => this.redraw());
+    onPrint((printed) => {
+      this.printed = printed;
+      this.redraw();
+    });
     this.picture.addEventListener('pointerup', done);
     this.picture.addEventListener('pointercancel', done);
   }
@@ -114,7 +119,7 @@ export class HeatMap {
   show(field: Field, quantity: Quantity, title: string): void {
     this.field = field;
     this.shown = [field, quantity, title];
-    this.width = Math.min(widest, Math.max(narrowest, this.element.clientWidth || widest));
+    this.width = this.printed ? paper : Math.min(widest, Math.max(narrowest, this.element.clientWidth || widest));
     this.picture.setAttribute('viewBox', `0 0 ${this.width} ${height}`);
     this.picture.setAttribute('aria-label', title);
     const { count } = field;
