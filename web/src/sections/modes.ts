@@ -12,6 +12,7 @@ import type { Section } from './section';
 export const modes: Section = {
   id: 'modes',
   title: 'Modes',
+  of: 'shown',
   applies: (report) => report.poses.some((pose) => pose.modes.length > 0),
   render,
 };
@@ -87,7 +88,7 @@ const columns: Column[] = [
     title: 'Shift',
     long: 'Shift of the frequency relative to the rigid counterpart',
     key: (mode) => mode.rigid?.shift_percent ?? Number.POSITIVE_INFINITY,
-    cell: (mode) => [mode.rigid ? signedPercent(mode.rigid.shift_percent) : ''],
+    cell: (mode) => [mode.rigid && mode.stable ? signedPercent(mode.rigid.shift_percent) : ''],
     numeric: true,
     flexibleOnly: true,
   },
@@ -220,10 +221,13 @@ class ModeTable {
   }
 
   private foldRow(hidden: Mode[]): HTMLTableRowElement {
-    const frequencies = hidden.map((mode) => mode.frequency_hz);
+    const frequencies = hidden.filter((mode) => mode.stable).map((mode) => mode.frequency_hz);
     const [low, high] = [Math.min(...frequencies), Math.max(...frequencies)];
-    const band =
+    const unstable = hidden.length - frequencies.length;
+    const stable =
       high - low < 5e-4 ? `at ${hertz(low)} Hz` : `from ${hertz(low)} to ${hertz(high)} Hz`;
+    const parts = [frequencies.length > 0 ? stable : '', unstable > 0 ? `${unstable} unstable` : ''];
+    const band = parts.filter(Boolean).join(', ');
     const many = hidden.length === 1 ? '1 local seal mode' : `${hidden.length} local seal modes`;
     const control = button(
       `${this.open ? '▾' : '▸'} ${many} (platform energy < 0.01 %), ${band}`,
