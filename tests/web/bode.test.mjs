@@ -282,3 +282,33 @@ test('downloads: SVG, PNG, CSV and JSON', async () => {
     );
   });
 });
+
+test('a machine without stable modes has no curves, and none of another machine stay', async () => {
+  const words = [model('heavy-platform.toml')];
+  await withPage(report(...words), still, async (page) => {
+    await page.evaluate(() => window.hydrapod.whatIf.ready);
+    const type = async (text) => {
+      const field = page.locator('[data-field="platform.mass"]');
+      await field.fill(text);
+      await field.press('Enter');
+      await page.waitForFunction((mass) => window.hydrapod.state.values.some(([, value]) => value === mass), 1000 * Number(text));
+      await page.evaluate(async () => {
+        await window.hydrapod.whatIf.shown();
+        await window.hydrapod.bode.ready;
+      });
+    };
+    await type('100000'); // t
+    assert.equal(await page.evaluate(() => window.hydrapod.state.pose.bode), undefined);
+    assert.match(await page.locator('#bode').innerText(), /There is no stable response/);
+    assert.equal(await page.locator('#bode :is(.uplot, figure, .readout)').count(), 0);
+    await page.evaluate(() => window.hydrapod.bode.choose(2, 2));
+    await page.emulateMedia({ colorScheme: 'dark' });
+    assert.equal(await page.locator('#bode :is(.uplot, figure, .readout)').count(), 0);
+    await page.emulateMedia({ colorScheme: 'light' });
+    await type('16'); // stands
+    assert.match(await page.locator('#bode').innerText(), /z per force z/);
+    assert.doesNotMatch(await page.locator('#bode').innerText(), /There is no stable response|unstable/);
+    await type('100'); // some modes are unstable
+    assert.match(await page.locator('#bode').innerText(), /The machine is unstable at this pose/);
+  });
+});

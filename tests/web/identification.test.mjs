@@ -43,6 +43,8 @@ test('the top of the page says what was identified', async () => {
     const text = await page.locator('#answer .verdict').textContent();
     const [least, most] = [Math.min, Math.max].map((of) => of(...found.modes.map((mode) => mode.frequency_hz)).toFixed(3));
     assert.ok(text.startsWith(`Measured: 6 modes, ${least} to ${most} Hz; 6 with a partner in the model`), text);
+    const calculated = await page.locator('#answer .words:not(.verdict)').textContent();
+    assert.match(calculated, /^Calculated for this machine: Lowest mode/);
   });
 });
 

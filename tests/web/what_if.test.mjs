@@ -375,3 +375,54 @@ test('of a machine whose legs buckle there are no frequencies, and the load that
     assert.equal(await page.locator('.curve-before').count(), 1);
   });
 });
+
+test('A and B are exchanged with their poses', async () => {
+  await withPage(report(model('heavy-platform.toml')), still, async (page) => {
+    await page.evaluate(async () => {
+      const { whatIf, workspace } = window.hydrapod;
+      await whatIf.ready;
+      workspace.displace([0, 0, -0.1, 0, 0, 0]);
+      await whatIf.shown();
+    });
+    const words = () => page.locator('.what-if-results tbody tr').evaluateAll((rows) => rows.map((row) => [...row.cells].map((cell) => cell.textContent)));
+    const swap = async () => {
+      await page.locator('[data-control="swap"]').click();
+      await page.evaluate(() => window.hydrapod.whatIf.shown());
+    };
+    const [first, displaced] = [await words(), await page.evaluate(() => window.hydrapod.state.displaced)];
+    await swap();
+    assert.equal(await page.evaluate(() => window.hydrapod.state.displaced), null);
+    const swapped = await words();
+    // Hz with flexible legs of B and of A, by direction
+    const hertz = (rows, column) => Object.fromEntries(rows.map((row) => [row[0], row[column]]));
+    assert.deepEqual(hertz(swapped, 2), hertz(first, 5));
+    assert.deepEqual(hertz(swapped, 5), hertz(first, 2));
+    assert.notDeepEqual(hertz(swapped, 2), hertz(swapped, 5));
+    await swap();
+    assert.deepEqual(await page.evaluate(() => window.hydrapod.state.displaced), displaced);
+    assert.deepEqual(await words(), first);
+  });
+});
+
+for (const [locale, text, value] of [
+  ['de-DE', '0,9 t', 900],
+  ['de-DE', '0.9 t', 900],
+  ['de-DE', '1.234,5', null],
+  ['en-US', '0,9 t', null],
+  ['en-US', '1,234', null],
+])
+  test(`a field with “${text}” in ${locale}: ${value ?? 'refused'}`, async () => {
+    await withKeptPage(report(published), { ...still, locale }, async (page) => {
+      await page.evaluate(async () => {
+        await window.hydrapod.whatIf.ready;
+        window.hydrapod.whatIf.replace([]);
+      });
+      const field = page.locator('[data-field="platform.mass"]');
+      await field.fill(text);
+      await field.press('Enter');
+      await page.evaluate(() => window.hydrapod.whatIf.shown());
+      const changed = await page.evaluate(() => window.hydrapod.whatIf.changed());
+      assert.deepEqual(changed, value === null ? [] : [['platform.mass', value]]);
+      assert.equal(await field.getAttribute('aria-invalid'), String(value === null));
+    });
+  });

@@ -28,16 +28,31 @@ function start(): void {
     unfold(false);
   });
   renderSections(state, host);
-  namePages(report);
+  namePages(state);
 }
 
+/** As much of a text as has `most` characters. */
+const shortened = (text: string, most: number): string =>
+  text.length > most ? `${text.slice(0, most - 1).trimEnd()}…` : text;
+
 /** Printed pages say what they are of. The policy of the page allows rules that are added like this. */
-function namePages(report: Report): void {
+function namePages(state: State): void {
+  const { report } = state;
+  const sheet = document.styleSheets[0];
+  if (!sheet) return;
   const date = report.reproduction?.date.slice(0, 10) ?? '';
-  const text = [report.title, report.machine.state, `hydrapod ${report.assumptions.hydrapod}`, date].filter(Boolean).join(' · ');
-  const safe = text.replace(/[\\"]/g, '\\$&').replace(/\s+/g, ' ');
-  const rule = `@page { @bottom-left { content: "${safe}"; font: 9pt sans-serif; color: #56616e; } }`;
-  document.styleSheets[0]?.insertRule(rule, document.styleSheets[0].cssRules.length);
+  const name = () => {
+    const machine = [report.machine.state, state.changedWords].filter(Boolean).join(', ');
+    const parts = [shortened(report.title, 48), shortened(machine, 56), `hydrapod ${report.assumptions.hydrapod}`, date];
+    const safe = parts.filter(Boolean).join(' · ').replace(/[\\"]/g, '\\$&').replace(/\s+/g, ' ');
+    return `@page { @bottom-left { content: "${safe}"; width: 86%; font: 8pt sans-serif; color: #56616e; } }`;
+  };
+  let at = sheet.insertRule(name(), sheet.cssRules.length);
+  state.listen((change) => {
+    if (change !== 'pose' && change !== 'numbers') return;
+    sheet.deleteRule(at);
+    at = sheet.insertRule(name(), sheet.cssRules.length);
+  });
 }
 
 try {

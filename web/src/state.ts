@@ -15,6 +15,8 @@ export class State {
   private displacement: number[] | null = null;
   /** Changed values of the machine that is shown [SI]. */
   values: [string, number][] = [];
+  /** The same in words: "platform.mass 9000 kg (report: 1000 kg)". */
+  changes: string[] = [];
   /** The pose of a machine with other numbers, or at another place. */
   private other: PoseReport | null = null;
 
@@ -51,6 +53,18 @@ export class State {
     if (pose === this.other) return;
     this.other = pose;
     this.tell('numbers');
+  }
+
+  /** "with 2 changed values"; empty: as the report has them. */
+  get changedWords(): string {
+    const { length } = this.isWhatIf ? this.values : [];
+    return length === 0 ? '' : `with ${length} changed value${length === 1 ? '' : 's'}`;
+  }
+
+  /** What sections say on paper: "pose low, with 2 changed values"; empty where there is nothing else. */
+  get shownWords(): string {
+    const named = this.report.poses.length > 1 || (this.isWhatIf && this.displacement);
+    return [named ? `pose ${this.pose.pose.name}` : '', this.changedWords].filter(Boolean).join(', ');
   }
 
   get poseNumber(): number {

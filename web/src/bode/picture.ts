@@ -16,6 +16,7 @@ interface Frame {
 
 const [width, height] = [860, 560];
 const margin = { left: 78, right: 18, top: 44, bottom: 46 };
+const lineHeight = 16;
 const phaseHeight = 130;
 const gap = 26;
 const headroom = 22;
@@ -31,7 +32,9 @@ function path(
     .join('');
 }
 
-export function bodePicture(curves: Curves, subtitle: string, colours: Palette): SVGSVGElement {
+/** `lines` stand below the title. */
+export function bodePicture(curves: Curves, lines: string[], colours: Palette): SVGSVGElement {
+  const top = margin.top + lineHeight * (lines.length - 1);
   const { frequency } = curves;
   const [from, to] = [frequency[0], frequency[frequency.length - 1]];
   const span = Math.log(to / from);
@@ -56,11 +59,11 @@ export function bodePicture(curves: Curves, subtitle: string, colours: Palette):
     svg('title', {}, `Bode diagram, ${titleOf(curves.pair)}`),
     svg('rect', { width, height, fill: colours.background }),
     svg('text', { x: left, y: 18, 'font-size': 15, 'font-weight': 600 }, titleOf(curves.pair)),
-    svg('text', { x: left, y: 34, fill: colours.faint }, subtitle),
+    ...lines.map((text, k) => svg('text', { x: left, y: 34 + lineHeight * k, fill: colours.faint }, text)),
   );
   const bottom = height - margin.bottom;
-  frequencyAxis(picture, frame, from, to, bottom, colours);
-  magnitudePart(picture, curves, frame, margin.top, bottom - phaseHeight - gap, colours);
+  frequencyAxis(picture, frame, from, to, top, bottom, colours);
+  magnitudePart(picture, curves, frame, top, bottom - phaseHeight - gap, colours);
   phasePart(picture, curves, frame, bottom - phaseHeight, bottom, colours);
   legend(picture, curves, colours);
   return picture;
@@ -71,6 +74,7 @@ function frequencyAxis(
   frame: Frame,
   from: number,
   to: number,
+  top: number,
   bottom: number,
   colours: Palette,
 ) {
@@ -80,7 +84,7 @@ function frequencyAxis(
       svg('line', {
         x1: x,
         x2: x,
-        y1: margin.top,
+        y1: top,
         y2: bottom,
         stroke: colours.grid,
         'stroke-width': 0.7,

@@ -36,6 +36,14 @@ export function beginWhenSeen(host: HTMLElement, begin: () => Promise<void>, fai
   return ready;
 }
 
+/** Calls `act` once the page is loaded, was drawn twice and has nothing else to do. */
+export function whenIdle(act: () => void): void {
+  const free = () => ('requestIdleCallback' in window ? requestIdleCallback(act, { timeout: 2000 }) : setTimeout(act, 500));
+  const drawn = () => requestAnimationFrame(() => requestAnimationFrame(free));
+  if (document.readyState === 'complete') drawn();
+  else addEventListener('load', drawn, { once: true });
+}
+
 export const failureText = (message: string): HTMLElement => html('p', { class: 'problem', role: 'alert' }, message);
 
 /** Time from the last change of a slider to the calculation of maps and samples [ms]. */

@@ -9,6 +9,7 @@ import type { Section } from './section';
 export const about: Section = {
   id: 'about',
   title: 'Reproduction',
+  of: 'report',
   applies: () => true,
   render,
 };

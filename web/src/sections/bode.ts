@@ -7,7 +7,7 @@ import { BodePlot } from '../bode/plot';
 import { coreFailure, sharedCore } from '../core/shared';
 import type { Bode } from '../document';
 import { directions } from '../document';
-import { button, download, html, slider } from '../dom';
+import { button, download, how, html, notReady, slider } from '../dom';
 import type { Readout } from '../hooks';
 import { magnitude, phase, type Complex } from '../complex';
 import { fixed, hertz, scientific } from '../numbers';
@@ -18,6 +18,7 @@ import type { Section } from './section';
 export const bode: Section = {
   id: 'bode',
   title: 'Bode diagrams',
+  of: 'shown',
   applies: ({ editable, poses }) =>
     editable !== undefined && poses.length > 0 && poses.every((pose) => pose.bode !== undefined),
   render: (state, host) => {
@@ -81,7 +82,6 @@ class BodeSection {
       ),
       this.readout,
     );
-    this.note.textContent = 'The curves are calculated …';
     host.append(this.note, this.print);
     state.listen((change) => {
       if (change === 'pose' || change === 'numbers') this.newPose();
@@ -97,7 +97,20 @@ class BodeSection {
 
   private newPose(): void {
     this.chooserIsOld = true;
-    this.reset();
+    if (this.state.pose.bode) {
+      if (!this.content.isConnected) this.note.replaceChildren(how('The curves are calculated …'));
+      this.print.replaceChildren(notReady('The diagram')); // and none of another machine is printed
+      this.reset();
+    } else this.clear();
+  }
+
+  /** No mode of the platform is stable. */
+  private clear(): void {
+    this.band = [1, 2]; // curves that are being computed are of another machine
+    this.ready = Promise.resolve();
+    this.content.remove();
+    this.print.replaceChildren();
+    this.note.textContent = 'There is no stable response at this pose: no stable mode moves the platform. No curves are drawn.';
   }
 
   private reset(): void {
@@ -109,6 +122,7 @@ class BodeSection {
     this.band = [from, to];
     this.ready = this.compute().catch((error) => {
       this.note.textContent = coreFailure(error);
+      this.print.replaceChildren();
     });
   }
 
@@ -145,7 +159,7 @@ class BodeSection {
   private choose(pair: Pair): void {
     this.pair = pair;
     this.chooser.mark(pair);
-    this.draw();
+    if (this.content.isConnected) this.draw();
   }
 
   private draw(): void {
@@ -154,7 +168,7 @@ class BodeSection {
     this.note.textContent = this.explanation();
     this.peaks.textContent = this.peakText();
     this.plot.show(this.curves, palette());
-    this.print.replaceChildren(html('figure', {}, this.picture()));
+    if (!this.chooserIsOld) this.print.replaceChildren(html('figure', {}, this.picture()));
     this.setCursor(this.firstPeak());
   }
 
@@ -168,7 +182,9 @@ class BodeSection {
     const { point } = this.data;
     const where = `Force or moment at the ${point}, displacement at this point, base axes. Damping: ${this.state.report.assumptions.damping}.`;
     const none = `${titleOf(this.pair)}: not coupled at this pose; the curve is rounding error. `;
-    return (this.sweep.isCoupled(this.pair) ? '' : none) + where;
+    const unstable = 'The machine is unstable at this pose: it does not follow the curves with flexible legs. ';
+    const stands = this.state.pose.answer?.stable !== false;
+    return (this.sweep.isCoupled(this.pair) ? '' : none) + (stands ? '' : unstable) + where;
   }
 
   private peakText(): string {
@@ -224,10 +240,11 @@ class BodeSection {
   }
 
   private picture(): SVGSVGElement {
-    const { report, pose } = this.state;
-    const subtitle = `${report.title}, pose ${pose.pose.name}; damping ${report.assumptions.damping}`;
-    const short = subtitle.length > 80 ? `${subtitle.slice(0, 79)}…` : subtitle;
-    return bodePicture(this.curves, short, light);
+    const { report, pose, isWhatIf, changes, values } = this.state;
+    const short = (text: string) => (text.length > 110 ? `${text.slice(0, 109)}…` : text);
+    const what = short(`${report.title}, pose ${pose.pose.name}; damping ${report.assumptions.damping}`);
+    const changed = isWhatIf && values.length > 0 ? [short(`Changed: ${changes.join('; ')}`)] : [];
+    return bodePicture(this.curves, [what, ...changed], light);
   }
 
   private frequencyAt(step: number): number {

@@ -10,6 +10,7 @@ import type { Section } from './section';
 export const check: Section = {
   id: 'check',
   title: 'Check and capability',
+  of: 'report at pose',
   applies: (report) => report.check !== undefined && report.poses.length > 0,
   render: (state, host) => {
     const place = html('div', { class: 'check-result' });

@@ -14,6 +14,7 @@ import type { Section } from './section';
 export const diagnosis: Section = {
   id: 'diagnosis',
   title: 'Diagnosis',
+  of: 'report',
   applies: (report) => report.diagnosis !== undefined,
   render,
 };

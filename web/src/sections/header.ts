@@ -7,6 +7,7 @@ import { theme, type Theme } from '../palette';
 import type { State } from '../state';
 import { energyParts, stackedBar } from '../bars';
 import { identifiedWords } from '../identification/words';
+import { numeric, tableHead } from '../table';
 import type { Section } from './section';
 
 const modelNames = {
@@ -25,7 +26,7 @@ export function header(state: State, sections: Section[], page: HTMLElement): vo
       'div',
       { class: 'titles' },
       html('h1', {}, report.title),
-      ...subtitles(report).map((text) => html('p', { class: 'subtitle' }, text)),
+      ...subtitles(state),
       html('p', { class: 'subtitle print-only' }, madeBy(report)),
     ),
     html('div', { class: 'tools' }, navigation(sections), themeChooser(state)),
@@ -50,10 +51,17 @@ export function header(state: State, sections: Section[], page: HTMLElement): vo
       ...(state.displaced ? [`at the pose ${state.pose.pose.name}`] : []),
     ].join(', ');
     const words = `${what.charAt(0).toUpperCase()}${what.slice(1)}, not ${state.values.length > 0 ? 'the machine of this report' : 'at a pose of this report'}:`;
+    const found = verdict(report);
+    const several = report.poses.length > 1;
+    const atPose = () => html('span', { class: 'print-only' }, `At the pose ${state.pose.pose.name}: `);
     host.replaceChildren(
-      ...verdict(report),
-      ...(state.isWhatIf ? [html('p', { class: 'words changed-words' }, words)] : []),
-      ...answer(state.pose),
+      ...found,
+      ...(state.isWhatIf ? [html('p', { class: 'words changed-words' }, words), ...changedOnPaper(state)] : []),
+      ...answer(state.pose, [
+        ...(found.length > 0 ? ['Calculated for this machine: '] : []),
+        ...(several ? [atPose()] : []),
+      ]),
+      ...(several && !state.isWhatIf ? [posesOnPaper(report)] : []),
     );
   };
   state.listen((change) => (change === 'pose' || change === 'numbers') && show());
@@ -67,8 +75,45 @@ function verdict(report: Report): HTMLElement[] {
   return found ? [html('p', { class: 'words verdict' }, html('strong', {}, found))] : [];
 }
 
+/** Which values the machine has that is shown, and what of the page is not of it. */
+function changedOnPaper({ changes, values }: State): HTMLElement[] {
+  const list = html('ul', { class: 'print-only changes' }, ...changes.map((text) => html('li', {}, text)));
+  const others = 'Measurements, simulation, check and reproduction are those of the report, without these changes.';
+  return [...(values.length > 0 ? [list] : []), html('p', { class: 'note print-only' }, others)];
+}
+
+/** Modes of all poses: paper has the page of one of them. */
+function posesOnPaper({ poses }: Report): HTMLElement {
+  const rigid = poses.some(({ answer }) => answer?.rigid_frequency_hz !== undefined);
+  const row = ({ pose, answer: found }: PoseReport) => {
+    const stable = found?.stable ? found : null;
+    const hz = found && !found.stable ? 'unstable' : stable ? hertz(stable.frequency_hz) : '–';
+    const compared = [
+      stable?.rigid_frequency_hz === undefined ? '–' : hertz(stable.rigid_frequency_hz),
+      stable?.drop_percent === undefined ? '–' : signedPercent(-stable.drop_percent),
+    ];
+    return html(
+      'tr',
+      {},
+      html('th', { scope: 'row' }, pose.name),
+      numeric(hz),
+      html('td', {}, stable?.directions ?? ''),
+      ...(rigid ? compared.map((text) => numeric(text)) : []),
+    );
+  };
+  const heads: [string, string][] = [['With rigid legs, Hz', 'numeric'], ['Change', 'numeric']];
+  return html(
+    'table',
+    { class: 'poses-table' },
+    html('caption', {}, 'Lowest mode with platform motion at the poses of the report'),
+    tableHead(['Pose'], ['Hz', 'numeric'], ['Direction'], ...(rigid ? heads : [])),
+    html('tbody', {}, ...poses.map(row)),
+  );
+}
+
 /** The machine and the assumptions of the calculation. */
-function subtitles(report: Report): string[] {
+function subtitles(state: State): HTMLElement[] {
+  const { report } = state;
   const { machine, assumptions } = report;
   const pose = report.poses[0];
   const name = machine.name !== report.title ? machine.name : '';
@@ -77,11 +122,13 @@ function subtitles(report: Report): string[] {
     assumptions.gravity,
     `damping ${assumptions.damping}`,
   ];
-  return [
-    [name, machine.description].filter(Boolean).join(': '),
-    `Machine: ${machine.state}`,
-    facts.filter(Boolean).join(' · '),
-  ].filter(Boolean);
+  const line = (text: string) => html('p', { class: 'subtitle' }, text);
+  const described = [name, machine.description].filter(Boolean).join(': ');
+  const which = line('');
+  const show = () => (which.textContent = `Machine: ${[machine.state, state.changedWords].filter(Boolean).join(', ')}`);
+  state.listen((change) => (change === 'pose' || change === 'numbers') && show());
+  show();
+  return [...(described ? [line(described)] : []), which, line(facts.filter(Boolean).join(' · '))];
 }
 
 /** Of a report on paper: program, version, date. */
@@ -159,10 +206,11 @@ const withCode = (text: string): Node[] =>
     .split('`')
     .map((part, i) => (i % 2 === 1 ? html('code', {}, part) : document.createTextNode(part)));
 
-function answer(pose: PoseReport): Node[] {
+/** `before`: what it is of. */
+function answer(pose: PoseReport, before: (Node | string)[]): Node[] {
   const result = pose.answer;
-  if (!result) return [html('p', { class: 'words' }, 'All modes of this model are local seal modes.')];
-  const nodes: Node[] = [html('p', { class: 'words' }, ...withCode(result.text))];
+  if (!result) return [html('p', { class: 'words' }, ...before, 'All modes of this model are local seal modes.')];
+  const nodes: Node[] = [html('p', { class: 'words' }, ...before, ...withCode(result.text))];
   if (result.stable) nodes.push(html('dl', { class: 'numbers' }, ...numbers(pose, result)));
   return nodes;
 }

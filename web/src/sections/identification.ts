@@ -11,7 +11,7 @@ import { isOfWholeRecord, programFit, whyNoRefit } from '../identification/progr
 import { comparisonTable, macTable, PoleTable } from '../identification/tables';
 import type { ChartPole, Identification, Pole, Vector } from '../identification/types';
 import { coreFailure, sharedCore } from '../core/shared';
-import { button, controlRow, how, html, identifier, select, svg } from '../dom';
+import { button, controlRow, how, html, identifier, notReady, select, svg } from '../dom';
 import { fixed, hertz, signedPercent, withInterval } from '../numbers';
 import { palette } from '../palette';
 import type { State } from '../state';
@@ -20,6 +20,7 @@ import type { Section } from './section';
 export const identification: Section = {
   id: 'identification',
   title: 'Identified modes',
+  of: 'report',
   applies: (report) => (report.identification?.responses.frequency_hz.length ?? 0) > 1,
   render: (state, host) => {
     new IdentificationSection(state, host);
@@ -100,7 +101,7 @@ class IdentificationSection {
       this.select({ pole: known, known }, true);
       this.shape?.element.scrollIntoView({ behavior: 'auto', block: 'nearest' });
     };
-    if (this.fitter) this.error.textContent = 'The fit is calculated …';
+    if (this.fitter) this.error.replaceChildren(how('The fit is calculated …'), notReady('The fit'));
     host.append(...this.parts());
     state.listen((change) => {
       if (change !== 'theme') return;

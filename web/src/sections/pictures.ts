@@ -25,14 +25,15 @@ const amplitude = 0.1;
 export function picture(pose: PoseReport, mode: Mode): HTMLElement {
   const shape = shapeOf(pose, mode);
   const scale = (amplitude * sizeOf(pose.geometry)) / Math.max(largest(shape), Number.MIN_VALUE);
-  const title = `Mode ${mode.number}, ${hertz(mode.frequency_hz)} Hz: ${mode.label}`;
+  const frequency = mode.stable ? `${hertz(mode.frequency_hz)} Hz` : 'unstable';
+  const title = `Mode ${mode.number}, ${frequency}: ${mode.label}`;
   const rest = pointsAt(shape, 0, 0);
   const { element } = drawing(pose.geometry, pointsAt(shape, scale, 0), rest, homeCamera, light, {
     labels: true,
     title,
   });
   const shift =
-    mode.rigid && mode.rigid.mac >= 0.1
+    mode.stable && mode.rigid && mode.rigid.mac >= 0.1
       ? `, ${signedPercent(mode.rigid.shift_percent)} relative to rigid legs`
       : '';
   return html(
@@ -42,7 +43,7 @@ export function picture(pose: PoseReport, mode: Mode): HTMLElement {
     html(
       'figcaption',
       {},
-      html('strong', {}, `Mode ${mode.number}: ${hertz(mode.frequency_hz)} Hz${shift}`),
+      html('strong', {}, `Mode ${mode.number}: ${frequency}${shift}`),
       html('br'),
       mode.label,
       html('br'),
@@ -54,14 +55,23 @@ export function picture(pose: PoseReport, mode: Mode): HTMLElement {
 function render(state: State, host: HTMLElement): void {
   host.classList.add('print-only');
   const { report } = state;
-  for (const pose of report.poses) {
-    if (report.poses.length > 1) host.append(html('h3', {}, `Pose ${pose.pose.name}`));
-    host.append(
-      html(
-        'div',
-        { class: 'figures' },
-        ...pictured(report, pose).map((mode) => picture(pose, mode)),
-      ),
+  const parts = html('div', {});
+  host.append(parts);
+  /** What is drawn; of a machine with other numbers, the pose that is shown. */
+  let drawn: PoseReport | null | undefined;
+  const show = () => {
+    const other = state.isWhatIf ? state.pose : null;
+    if (drawn === other) return;
+    drawn = other;
+    const poses = other ? [other] : report.poses;
+    const heading = (pose: PoseReport) => (other ? state.shownWords : poses.length > 1 ? `pose ${pose.pose.name}` : '');
+    parts.replaceChildren(
+      ...poses.flatMap((pose) => [
+        ...(heading(pose) ? [html('h3', {}, heading(pose).replace(/^./, (letter) => letter.toUpperCase()))] : []),
+        html('div', { class: 'figures' }, ...pictured(report, pose).map((mode) => picture(pose, mode))),
+      ]),
     );
-  }
+  };
+  addEventListener('beforeprint', show);
+  show();
 }

@@ -38,6 +38,21 @@ export const sections: Section[] = [
   about,
 ];
 
+/** On paper the heading says what the section is of. */
+function what(state: State, of: Section['of']): HTMLElement {
+  const element = html('span', { class: 'print-only of' });
+  const show = () => {
+    const named = of === 'report at pose' && (state.report.poses.length > 1 || state.isWhatIf);
+    const place = named ? `pose ${state.stated.pose.name}` : '';
+    const unchanged = state.changedWords ? 'the machine of the report, unchanged' : '';
+    const words = of === 'shown' ? state.shownWords : [place, unchanged].filter(Boolean).join(', ');
+    element.textContent = words ? `: ${words}` : '';
+  };
+  state.listen((change) => (change === 'pose' || change === 'numbers') && show());
+  show();
+  return element;
+}
+
 /** Renders the sections whose data the document contains. */
 export function renderSections(state: State, page: HTMLElement): void {
   const shown = sections.filter((section) => section.applies(state.report));
@@ -46,6 +61,7 @@ export function renderSections(state: State, page: HTMLElement): void {
   page.append(main);
   for (const section of shown) {
     const heading = html('h2', { id: `${section.id}-title` }, section.title);
+    if (section.of) heading.append(what(state, section.of));
     const host = html('section', { id: section.id, 'aria-labelledby': heading.id }, heading);
     main.append(host);
     section.render(state, host);

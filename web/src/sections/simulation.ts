@@ -17,6 +17,7 @@ import type { Section } from './section';
 export const simulation: Section = {
   id: 'simulation',
   title: 'In time',
+  of: 'report',
   applies: (report) => (report.simulation?.trace.time_s.length ?? 0) > 1,
   render,
 };

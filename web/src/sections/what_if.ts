@@ -8,6 +8,7 @@ import { button, html, showCommand } from '../dom';
 import type { State } from '../state';
 import { refill, scroller } from '../table';
 import { ParameterList } from '../whatif/list';
+import { quantity, unitOf } from '../whatif/quantity';
 import { bucklingText, magnitudes, resultTable, SmallBode, type Curve } from '../whatif/results';
 import type { Section } from './section';
 
@@ -197,6 +198,7 @@ class WhatIf {
       const pose = isOther ? (await (this.core as Core).compute(request)).pose : null;
       if (this.b !== b) return;
       this.state.values = settings(b.values);
+      this.state.changes = this.changes(b.values);
       this.state.showOther(pose ?? null);
       this.state.onValues?.(settings(b.values), assignments(b.values, this.core?.parameters ?? []));
     }
@@ -207,6 +209,16 @@ class WhatIf {
       if (!side.buckling && side.computed.pose)
         side.buckling = await (this.core as Core).buckling({ set: settings(side.values), ...this.place(side.displaced) });
     if (this.b === b) this.showBuckling();
+  }
+
+  /** In words, beside the values of the report. */
+  private changes(values: Values): string[] {
+    return (this.core?.parameters ?? []).flatMap((parameter) => {
+      const value = values.get(parameter.path);
+      const unit = unitOf(this.editable, parameter);
+      const [now, before] = [value ?? 0, parameter.value].map((one) => quantity(one, unit));
+      return value === undefined ? [] : [`${parameter.path} ${now} (report: ${before})`];
+    });
   }
 
   private show(): void {
@@ -278,6 +290,7 @@ class WhatIf {
     const { a, b } = this;
     if (!a || !b?.computed.pose) return;
     this.a = b;
+    if (a.displaced !== b.displaced) this.state.displace(a.displaced);
     this.edits.replace(a.values);
   }
 

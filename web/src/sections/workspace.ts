@@ -3,9 +3,9 @@
 
 import { map, mapStatus, type Core } from '../core/core';
 import { assignments, noCommand, shellCommand } from '../core/edits';
-import { beginWhenSeen, failureText, idle, sharedCore } from '../core/shared';
+import { beginWhenSeen, failureText, idle, sharedCore, whenIdle } from '../core/shared';
 import { directions, type Editable } from '../document';
-import { button, html, identifier, showCommand, slider, type Slider } from '../dom';
+import { button, html, identifier, notReady, showCommand, slider, type Slider } from '../dom';
 import { fixed } from '../numbers';
 import type { State } from '../state';
 import { displacementOf } from '../workspace/displacement';
@@ -17,6 +17,7 @@ import type { Section } from './section';
 export const workspace: Section = {
   id: 'workspace',
   title: 'Workspace',
+  of: 'shown',
   applies: (report) => report.editable !== undefined && report.poses.length > 0,
   render: (state, host) => {
     new Workspace(state, host);
@@ -75,8 +76,10 @@ class Workspace {
         html('div', {}, this.words, this.poses, this.least, html('p', { class: 'note' }, 'The command of this map:'), this.commandLine),
       ),
     );
+    host.append(notReady('The map'));
     state.listen((change) => this.heard(change));
     this.ready = beginWhenSeen(host, () => this.start(), (words) => host.append(failureText(words)));
+    whenIdle(() => void this.ready().catch(() => {})); // a print has the map wherever the reader is
     this.offerHook();
   }
 
@@ -101,6 +104,7 @@ class Workspace {
   /** How far each direction goes: new sliders. */
   private async measure(): Promise<void> {
     this.set = this.state.values;
+    this.host.classList.remove('calculated');
     const reach = await (this.core as Core).reach(this.set);
     this.ranges = reach.map(([least, most], d) => [inwards(least, d), inwards(most, d)]);
     this.sliders = directions.map((name, d) => {
@@ -159,6 +163,7 @@ class Workspace {
     this.fixed = [...this.displaced];
     const field = new Field(this.core, this.set, this.across, this.up, this.ranges, this.fixed);
     this.field = field;
+    this.host.classList.remove('calculated');
     this.filling = field.fill(
       () => this.show(),
       () => this.released.then(idle),
