@@ -63,7 +63,10 @@ class Plant:
         return self._plant.step(commands, dt, wrench)
 
     def run(self, commands: Any, dt: Quantity, *, progress: Optional[Progress] = None) -> Any:
-        """One step of dt [s] per row of `commands` (N, 6): displacements (N, 6) [m, rad]."""
+        """One step of dt [s] per row of `commands` (N, 6): displacements (N, 6) [m, rad].
+
+        progress: gets the share done; it may look at the plant (time, state, outputs()), not step or change it.
+        """
         return self._plant.run(_checks.real_array(commands, "commands"), _core.quantity(dt, "s", "dt"), progress)
 
     @staticmethod
@@ -72,7 +75,7 @@ class Plant:
         """Steps many plants at once, each in one thread: displacements (plants, N, 6), and a message for each.
 
         commands: (plants, N, 6), or (N, 6) for all. Where the model of a plant ends, its further rows are NaN
-        and its message says why; else the message is empty.
+        and its message says why; else the message is empty. progress: see run().
         """
         cores = []
         for plant in [plants] if isinstance(plants, Plant) else plants:
@@ -83,7 +86,7 @@ class Plant:
         if array.ndim == 2:
             array = np.broadcast_to(array, (len(cores), *array.shape))
         return _core.run_plants(cores, np.ascontiguousarray(array), _core.quantity(dt, "s", "dt"),
-                                _checks.whole(threads, "threads"), progress)
+                                _checks.threads_of(threads), progress)
 
     def reset(self) -> None:
         """Back to rest at time 0."""

@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <mutex>
+#include <span>
 #include <string_view>
 
 #include "hydrapod/base/error.hpp"
@@ -17,7 +20,8 @@ namespace {
 using simulation::PlantInput;
 using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
-/// A plant with its integrator. One thread at a time: calls lock it.
+/// A plant with its integrator. Who changes it holds its turn, and its mutex while it does so; who
+/// looks at it holds the mutex.
 class Stepper {
  public:
   Stepper(const Subject& machine, bool hydraulics, const simulation::IntegratorOptions& options)
@@ -49,6 +53,7 @@ class Stepper {
   [[nodiscard]] const simulation::Integrator& integrator() const { return integrator_; }
   [[nodiscard]] const PlantInput& input() const { return input_; }
   std::mutex& mutex() { return mutex_; }
+  std::mutex& turn() { return turn_; }
 
  private:
   Subject machine_;
@@ -57,7 +62,32 @@ class Stepper {
   simulation::Integrator integrator_;
   PlantInput input_{};
   std::mutex mutex_{};
+  std::mutex turn_{};
 };
+
+using Steppers = std::vector<std::shared_ptr<Stepper>>;
+
+/// Plants in whose run this thread asks for progress: they have their turn until the run ends.
+thread_local std::vector<const Stepper*> asking;
+
+/// Asks for progress in a run of these plants, without the lock, so that it may look at them.
+bool asks_to_stop(const numerics::Progress& watch, double share,
+                  std::span<const Stepper* const> running, std::unique_lock<std::mutex>& lock) {
+  const auto before = asking.size();
+  asking.insert(asking.end(), running.begin(), running.end());
+  lock.unlock();
+  const bool stop = watch(share);
+  lock.lock();
+  asking.resize(before);
+  return stop;
+}
+
+void refuse_in_a_run(const Stepper& stepper) {
+  if (std::ranges::find(asking, &stepper) != asking.end())
+    throw base::ComputationError(
+        "the plant is in a run: progress may look at its time, state and outputs and change "
+        "nothing");
+}
 
 /// An array of doubles, without a copy where it is one already.
 Doubles doubles(const py::handle& given) {
@@ -96,9 +126,21 @@ double step_of(const py::handle& given) {
 
 py::array copy_of(const Eigen::VectorXd& x) { return py::array_t<double>(x.size(), x.data()); }
 
+/// work() that looks at the plant.
 template <class Work>
 auto locked(Stepper& stepper, const Work& work) {
   return without_gil([&] {
+    const std::lock_guard lock(stepper.mutex());
+    return work();
+  });
+}
+
+/// work() that changes the plant.
+template <class Work>
+auto changing(Stepper& stepper, const Work& work) {
+  refuse_in_a_run(stepper);
+  return without_gil([&] {
+    const std::lock_guard turn(stepper.turn());
     const std::lock_guard lock(stepper.mutex());
     return work();
   });
@@ -115,7 +157,7 @@ py::array step(Stepper& stepper, const py::object& commands, const py::object& d
                const py::object& wrench) {
   const auto input = input_of(commands, wrench, stepper);
   const double time = step_of(dt);
-  const auto displacement = locked(stepper, [&] {
+  const auto displacement = changing(stepper, [&] {
     stepper.advance(input, time);
     return stepper.displacement();
   });
@@ -137,10 +179,14 @@ py::array run(Stepper& stepper, const Doubles& commands, const py::object& dt,
   py::array_t<double> result({count, py::ssize_t{6}});
   double* out = result.mutable_data();
   constexpr py::ssize_t between = 256;  // steps between two looks at signals
+  refuse_in_a_run(stepper);
   at_work(progress, [&](const numerics::Progress& watch) {
-    const std::lock_guard lock(stepper.mutex());
+    const std::lock_guard turn(stepper.turn());
+    std::unique_lock lock(stepper.mutex());
+    const std::array<const Stepper*, 1> running{&stepper};
     for (py::ssize_t k = 0; k < count; ++k) {
-      if (k % between == 0 && watch(static_cast<double>(k) / static_cast<double>(count)))
+      const double share = static_cast<double>(k) / static_cast<double>(count);
+      if (k % between == 0 && asks_to_stop(watch, share, running, lock))
         throw base::ComputationError("interrupted after " + std::to_string(k) + " steps");
       stepper.advance({.command = Eigen::Map<const spatial::Vector6>(given + 6 * k)}, time);
       Eigen::Map<spatial::Vector6>(out + 6 * k) = stepper.displacement();
@@ -150,40 +196,53 @@ py::array run(Stepper& stepper, const Doubles& commands, const py::object& dt,
   return result;
 }
 
-/// plants × steps × 6 commands, each plant by one thread: plants × steps × 6 displacements. Where a
-/// plant's model ends, the rest of its rows is NaN and the message says why.
-py::tuple run_all(const std::vector<std::shared_ptr<Stepper>>& plants, const Doubles& commands,
-                  const py::object& dt, int threads, const py::object& progress) {
+/// Throws where the plants or the commands of run_all() cannot be.
+void check_run(const Steppers& plants, const Doubles& commands) {
   const auto many = static_cast<py::ssize_t>(plants.size());
   if (commands.ndim() != 3 || commands.shape(0) != many || commands.shape(2) != 6)
     throw std::invalid_argument("commands: expected an array of plants × steps × 6, with " +
                                 std::to_string(many) + " plants");
-  for (py::ssize_t p = 0; p < many; ++p)
-    for (py::ssize_t other = 0; other < p; ++other)
-      if (plants[static_cast<std::size_t>(p)] == plants[static_cast<std::size_t>(other)])
+  for (std::size_t p = 0; p < plants.size(); ++p) {
+    refuse_in_a_run(*plants[p]);
+    for (std::size_t other = 0; other < p; ++other)
+      if (plants[p] == plants[other])
         throw std::invalid_argument("plants: plants " + std::to_string(other) + " and " +
                                     std::to_string(p) + " are the same");
-  const double time = step_of(dt);
+  }
   const auto steps = commands.shape(1);
   const double* given = commands.data();
   for (py::ssize_t k = 0; k < commands.size(); ++k)
     if (!std::isfinite(given[k]))
       throw std::invalid_argument("commands: a number is not finite, of plant " +
                                   std::to_string(k / std::max<py::ssize_t>(1, 6 * steps)));
+}
+
+/// plants × steps × 6 commands, each plant by one thread: plants × steps × 6 displacements. Where a
+/// plant's model ends, the rest of its rows is NaN and the message says why.
+py::tuple run_all(const Steppers& plants, const Doubles& commands, const py::object& dt,
+                  int threads, const py::object& progress) {
+  check_run(plants, commands);
+  const double time = step_of(dt);
+  const auto many = static_cast<py::ssize_t>(plants.size());
+  const auto steps = commands.shape(1);
+  const double* given = commands.data();
   py::array_t<double> result(std::vector<py::ssize_t>{many, steps, 6});
   double* out = result.mutable_data();
   std::vector<std::string> messages(plants.size());
+  std::vector<const Stepper*> running;
+  for (const auto& plant : plants) running.push_back(plant.get());
   constexpr py::ssize_t between = 256;  // steps between two looks at signals
   std::atomic<py::ssize_t> stepped{0};
   const auto one = [&](std::size_t p, const numerics::Progress& watch) {
-    const std::lock_guard lock(plants[p]->mutex());
+    const std::lock_guard turn(plants[p]->turn());
+    std::unique_lock lock(plants[p]->mutex());
     const auto first = static_cast<py::ssize_t>(p) * steps;
     bool stop = false;
     for (py::ssize_t k = first; k < first + steps; ++k) {
       Eigen::Map<spatial::Vector6> into(out + 6 * k);
       into.setConstant(std::numeric_limits<double>::quiet_NaN());
-      if (k % between == 0)
-        stop = stop || watch(static_cast<double>(stepped) / static_cast<double>(many * steps));
+      const double share = static_cast<double>(stepped) / static_cast<double>(many * steps);
+      if (k % between == 0) stop = stop || asks_to_stop(watch, share, running, lock);
       ++stepped;
       if (stop || !messages[p].empty()) continue;
       try {
@@ -202,8 +261,8 @@ py::tuple run_all(const std::vector<std::shared_ptr<Stepper>>& plants, const Dou
 }
 
 py::dict outputs(Stepper& stepper) {
-  const auto out = locked(stepper, [&] { return stepper.outputs(); });
-  const auto displacement = locked(stepper, [&] { return stepper.displacement(); });
+  const auto [out, displacement] =
+      locked(stepper, [&] { return std::pair(stepper.outputs(), stepper.displacement()); });
   const auto of = [](const auto& values) { return py::array_t<double>(6, values.data()); };
   const auto legs = [&](auto get) {
     std::vector<double> values;
@@ -258,14 +317,16 @@ void set_state(Stepper& stepper, const Doubles& x) {
     throw std::invalid_argument("state: expected " + std::to_string(size) + " numbers");
   const Eigen::VectorXd values = Eigen::Map<const Eigen::VectorXd>(x.data(), size);
   Eigen::VectorXd rate(size);
-  if (!values.allFinite() ||
-      !stepper.plant().derivative(0.0, values.data(), stepper.input(), rate.data()))
+  const bool possible =
+      values.allFinite() && changing(stepper, [&] {
+        if (!stepper.plant().derivative(0.0, values.data(), stepper.input(), rate.data()))
+          return false;
+        stepper.set_state(values);
+        return true;
+      });
+  if (!possible)
     throw std::invalid_argument(
         "state: is none of this plant (not finite, or a leg does not close)");
-  locked(stepper, [&] {
-    stepper.set_state(values);
-    return 0;
-  });
 }
 
 }  // namespace
@@ -278,7 +339,7 @@ void add_plant(py::module_& module) {
       .def("run", &run, py::arg("commands"), py::arg("dt"), py::arg("progress") = py::none())
       .def("reset",
            [](Stepper& s) {
-             locked(s, [&] {
+             changing(s, [&] {
                s.reset();
                return 0;
              });

@@ -181,9 +181,9 @@ void add_records(py::module_& module) {
   module.def("show_record", [](const py::dict& options, const py::object& progress) {
     const Options asked(options);
     const auto record = record_of(asked);
+    const bool spectra = asked.get("spectra", false);
     return at_work(progress, [&](const numerics::Progress& watch) {
-      return std::make_shared<Overview>(tasks::show_record(record, watch),
-                                        asked.get("spectra", false));
+      return std::make_shared<Overview>(tasks::show_record(record, watch), spectra);
     });
   });
   module.def("rewrite_record",
