@@ -35,7 +35,7 @@ def _names(texts: Optional[Texts], name: str) -> Optional[List[str]]:
     return None if texts is None else _checks.words(texts, name)
 
 
-def _system(system: Optional[str], sample_time: Optional[Quantity], sampled: bool, pade_order: int,
+def _system(system: Optional[str], sample_time: Optional[Quantity], sampled: bool, pade_order: Optional[int],
             inputs: Optional[Texts], outputs: Optional[Texts], point: Optional[Sequence[Quantity]],
             reduce: Optional[int]) -> Any:
     return _checks.options(
@@ -45,7 +45,7 @@ def _system(system: Optional[str], sample_time: Optional[Quantity], sampled: boo
 
 
 def export(machine: Machine, path: Path, *, to: Optional[str] = None, system: Optional[str] = None,
-           sample_time: Optional[Quantity] = None, sampled: bool = False, pade_order: int = 2,
+           sample_time: Optional[Quantity] = None, sampled: bool = False, pade_order: Optional[int] = None,
            inputs: Optional[Texts] = None, outputs: Optional[Texts] = None,
            point: Optional[Sequence[Quantity]] = None, reduce: Optional[int] = None,
            leg_modes: Optional[int] = None, free_base: bool = False, approximate: bool = False,
@@ -59,7 +59,7 @@ def export(machine: Machine, path: Path, *, to: Optional[str] = None, system: Op
     takes some ms, of plant and loop some tens. Raises InputError where a format cannot hold the machine; nothing is
     written then. Source: docs/howto/exchange.md. C++: tasks::export_machine in hydrapod/tasks/linear.hpp.
     """
-    name = os.fspath(path)
+    name = _checks.path(path, "path")
     if to is None:
         ending = os.path.splitext(name)[1].lstrip(".").lower()
         if ending not in _formats:
@@ -76,16 +76,16 @@ def export(machine: Machine, path: Path, *, to: Optional[str] = None, system: Op
 
 
 def machine_state_space(machine: Machine, *, system: str = "mechanics", sample_time: Optional[Quantity] = None,
-                        sampled: bool = False, pade_order: int = 2, inputs: Optional[Texts] = None,
+                        sampled: bool = False, pade_order: Optional[int] = None, inputs: Optional[Texts] = None,
                         outputs: Optional[Texts] = None, point: Optional[Sequence[Quantity]] = None,
                         reduce: Optional[int] = None) -> MachineStateSpace:
     """A, B, C, D with names of states, inputs and outputs.
 
     system: mechanics (states y, ẏ; inputs wrench at the point and forces of the oil columns), plant (with hydraulics
-    or electric drives) or loop (with the controller). sample_time: discretised, inputs held [s]. pade_order: 0 to 8,
-    of the delay. sampled: the loop as its controller samples it, exactly. point: three lengths in the platform frame;
-    default: the mass centre. reduce: states of a balanced truncation; the bound of its error stands in
-    to_dict()["reduction"].
+    or electric drives) or loop (with the controller). sample_time: discretised, inputs held [s]. pade_order: of the
+    delay in a loop that is not sampled, 0 to 8; default: 2. sampled: the loop as its controller samples it, exactly.
+    point: of the mechanics, three lengths in the platform frame; default: the mass centre. reduce: states of a
+    balanced truncation; the bound of its error stands in to_dict()["reduction"].
 
     Result: A, B, C, D; states, inputs, outputs; state_units, …; state_rest, input_rest, output_rest (values at
     the operating point: x, u and y are small changes from them); sample_time [s], 0: continuous; delay [s].
@@ -168,20 +168,21 @@ def attach(machine: Machine, stiffness: Optional[Path] = None, mass: Optional[Pa
     Raises InputError for matrices that are none, and for a payload that weighs more than the platform of the file.
     Source: docs/howto/exchange.md. C++: tasks::attach_payload in hydrapod/tasks/linear.hpp.
     """
-    given = [one for one in (stiffness, punch, uff) if one is not None]
+    given = [(one, name) for one, name in ((stiffness, "stiffness"), (punch, "punch"), (uff, "uff")) if one is not None]
     if len(given) != 1:
         raise ValueError("expected one of stiffness with mass (Matrix Market), punch (Nastran) or uff (Universal File)")
     if stiffness is not None and mass is None:
         raise ValueError("mass: stiffness needs the mass matrix too")
     if stiffness is None and not (mass is None and damping is None):
         raise ValueError("mass, damping: punch and uff have them in their file; leave them out")
+    target = _checks.path_or_none(path, "path")
     options = _checks.options(
-        stiffness=os.fspath(given[0]), mass=None if mass is None else os.fspath(mass),
-        damping=None if damping is None else os.fspath(damping), grid=grid, point=_point(at), modes=modes,
+        stiffness=_checks.path(*given[0]), mass=_checks.path_or_none(mass, "mass"),
+        damping=_checks.path_or_none(damping, "damping"), grid=grid, point=_point(at), modes=modes,
         damping_ratio=damping_ratio, add_mass=add_mass)
     text, *found = _core.attach(_core_of(machine), {**options, "universal": uff is not None})
-    attached = Machine(text, path=machine.path if path is None else os.fspath(path), pose=machine.pose,
+    attached = Machine(text, path=machine.path if target is None else target, pose=machine.pose,
                        model=machine.model)
-    if path is not None:
-        attached.write(path)
+    if target is not None:
+        attached.write(target)
     return Attached(attached, *found)

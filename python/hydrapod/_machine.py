@@ -39,25 +39,15 @@ def _pose(pose: Any) -> str:
     if not isinstance(pose, str):
         raise TypeError(f"pose: expected a pose of the file or displacements as a text, such as \"z=50 mm, ry=5 deg\", "
                         f"got {pose!r}")
-    return _utf8(pose, "pose")
-
-
-def _utf8(text: Any, name: str) -> str:
-    """A text that can be written; names of files with bytes of no known encoding cannot."""
-    try:
-        _checks.word(text, name).encode()
-    except UnicodeEncodeError:
-        raise ValueError(f"{name}: {text!r} is no text in UTF-8") from None
-    if "\0" in text:
-        raise ValueError(f"{name}: {text!r} has a character 0")
-    return str(text)
+    return _checks.word(pose, "pose")
 
 
 def _lines(overrides: Mapping[str, Value]) -> List[str]:
     """As --set has them."""
     if not isinstance(overrides, Mapping):
         raise TypeError(f"overrides: expected a dict {{PATH: value}}, got {overrides!r}")
-    return [f"{_checks.word(path, 'overrides')}={_toml(value)}" for path, value in overrides.items()]
+    return [_checks.word(f"{_checks.word(path, 'overrides')}={_toml(value)}", "overrides")
+            for path, value in overrides.items()]
 
 
 class Parameters:
@@ -103,6 +93,13 @@ class Parameters:
     def __dir__(self) -> List[str]:
         return sorted(self._machine._keys_below(self._path))
 
+    def __eq__(self, other: object) -> bool:
+        """The same part of equal machines."""
+        return isinstance(other, Parameters) and self._path == other._path and self._machine == other._machine
+
+    def __hash__(self) -> int:
+        return hash((self._path, self._machine))
+
     def __iter__(self) -> Iterator[Any]:
         """Elements of an array, else keys."""
         count = self._count()
@@ -136,14 +133,16 @@ class Machine:
         """From the text of a machine file; `path`: what messages call it. See read_machine()."""
         lines = _lines(overrides)
         try:
-            _checks.word(text, "text").encode()
+            text.encode()
+        except AttributeError:
+            raise TypeError(f"text: expected the text of a machine file, got {_checks.shown(text)}") from None
         except UnicodeEncodeError:
             raise ValueError("text: is no text in UTF-8") from None
         self._read(path, text, lines, pose, model)
 
     def _read(self, path: str, text: Optional[str], overrides: List[str], pose: str, model: Optional[str]) -> None:
         pose, model = _pose(pose), None if model is None else _checks.word(model, "model")
-        self._set(_core.read_machine(_utf8(path, "path"), text, overrides, pose, model), pose, model)
+        self._set(_core.read_machine(_checks.word(path, "path"), text, overrides, pose, model), pose, model)
 
     def _set(self, core: _core.Machine, pose: str, model: Optional[str]) -> None:
         object.__setattr__(self, "_core_machine", core)
@@ -195,7 +194,7 @@ class Machine:
 
     def write(self, path: Union[str, "os.PathLike[str]"]) -> None:
         """Writes a machine file with the overrides in it. The pose is not part of it."""
-        with open(path, "w", encoding="utf-8") as file:
+        with open(_checks.path(path, "path"), "w", encoding="utf-8") as file:
             file.write(self.applied_text)
 
     @property
@@ -331,13 +330,10 @@ def read_machine(path: Union[str, "os.PathLike[str]"], *, overrides: Mapping[str
     rings, else guide. Raises InputError with all mistakes, each with file, line, column and what would be
     accepted. Keys and units: docs/howto/machine-file.md. C++: tasks::read_machine in hydrapod/tasks/machine.hpp.
     """
-    name = os.fspath(path)
-    if not isinstance(name, str):
-        raise TypeError(f"path: expected a text or a path, got {path!r}")
-    if "\n" in name:
-        return Machine(name, overrides=overrides, pose=pose, model=model)
+    if isinstance(path, str) and "\n" in path:
+        return Machine(path, overrides=overrides, pose=pose, model=model)
     lines = _lines(overrides)
-    return Machine._made(name, None, lines, pose, model)
+    return Machine._made(_checks.path(path, "path"), None, lines, pose, model)
 
 
 def _document(table: Mapping[str, Any], path: str = "") -> str:
@@ -346,7 +342,8 @@ def _document(table: Mapping[str, Any], path: str = "") -> str:
     for key, value in table.items():
         if isinstance(key, (int, np.integer)) and not isinstance(key, bool):
             key = str(key)
-        name = key if re.fullmatch(r"[A-Za-z0-9_-]+", _utf8(key, "a key")) else json.dumps(key, ensure_ascii=False)
+        plain = re.fullmatch(r"[A-Za-z0-9_-]+", _checks.word(key, "a key"))
+        name = key if plain else json.dumps(key, ensure_ascii=False)
         at = f"{path}.{name}" if path else name
         if isinstance(value, Mapping):
             below.append(f"\n[{at}]\n{_document(value, at)}")
@@ -358,11 +355,11 @@ def _document(table: Mapping[str, Any], path: str = "") -> str:
 def _toml_value(value: Any, path: str) -> str:
     """A value as a file has it: texts in quotes, tables in a list in braces."""
     if isinstance(value, str):
-        return json.dumps(_utf8(value, path), ensure_ascii=False).replace("\x7f", "\\u007f")
+        return json.dumps(_checks.word(value, path), ensure_ascii=False).replace("\x7f", "\\u007f")
     if isinstance(value, (bool, np.bool_)):
         return "true" if value else "false"
     if isinstance(value, Mapping):
-        return "{ " + ", ".join(f"{json.dumps(_utf8(key, path))} = {_toml_value(one, path)}"
+        return "{ " + ", ".join(f"{json.dumps(_checks.word(key, path))} = {_toml_value(one, path)}"
                                 for key, one in value.items()) + " }"
     if isinstance(value, (list, tuple, np.ndarray, Parameters)):
         return f"[{', '.join(_toml_value(one, path) for one in value)}]"

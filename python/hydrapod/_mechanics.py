@@ -67,12 +67,15 @@ def modes_at_amplitudes(machine: Machine, amplitudes: Any) -> ModesAtAmplitudes:
     moves most [m], above 0, ascending; a number or (k,). Result, m branches of modes that move the platform:
     frequency_hz, damping_ratio, sleeve_amplitude [m], each (m, k), NaN where a branch does not have the amplitude,
     the first solution where it has several; amplitudes (k,); numbers (m,) of the undamped modes, counted from 0;
-    directions (m); from_long_swings (m), of second branches of modes. Raises ValueError for amplitudes that do not
-    ascend. Source: docs/theory/amplitude.md. C++: tasks::modes_at_amplitudes in hydrapod/tasks/linear.hpp.
+    directions (m); from_long_swings (m), of second branches of modes. Ctrl-C waits for the ends of the branches.
+    Raises ValueError for amplitudes that do not ascend. Source: docs/theory/amplitude.md.
+    C++: tasks::modes_at_amplitudes in hydrapod/tasks/linear.hpp.
     """
     values = np.atleast_1d(_checks.real_array(amplitudes, "amplitudes"))
     if values.ndim != 1:
         raise ValueError(f"amplitudes: expected a number or a list, got shape {values.shape}")
+    if not np.isfinite(values).all():
+        raise ValueError("amplitudes: expected finite numbers")
     return _core.modes_at_amplitudes(_core_of(machine), values.tolist())
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Union
 
 from . import _checks, _core
@@ -10,14 +9,19 @@ from ._checks import Texts
 from ._core import Served
 from ._machine import Machine, Quantity
 from ._records import Path
-from ._tasks import Progress, _core_of, _path
+from ._tasks import Progress, _core_of
 
 
 def _address(given: Union[int, str], name: str) -> str:
     """A port, or a text with one."""
     if isinstance(given, str):
-        return given
+        return _checks.word(given, name)
     return str(_checks.whole(given, name, 0, 65535))
+
+
+def _accelerometers(given: Optional[Sequence[str]]) -> Dict[str, Any]:
+    """Their texts as an option; without it the default ones."""
+    return {} if given is None else {"accelerometers": _checks.words(given, "accelerometers")}
 
 
 def serve(machine: Machine, address: Union[int, str] = 4747, *, bind: Optional[str] = None,
@@ -50,13 +54,13 @@ def serve(machine: Machine, address: Union[int, str] = 4747, *, bind: Optional[s
     """
     if ready is not None and not callable(ready):
         raise TypeError(f"ready: expected a callable that gets the place, got {ready!r}")
-    return _core.serve(_core_of(machine), _checks.options(
-        address=_address(address, "address"), bind=bind, shared_memory=shared_memory, key=_path(key),
-        layout=_path(layout), lock_step=lock_step, once=once, hold=hold, ramp=ramp, patience=patience, rest=rest,
+    return _core.serve(_core_of(machine), {**_accelerometers(accelerometers), **_checks.options(
+        address=_address(address, "address"), bind=bind, shared_memory=shared_memory,
+        key=_checks.path_or_none(key, "key"), layout=_checks.path_or_none(layout, "layout"), lock_step=lock_step,
+        once=once, hold=hold, ramp=ramp, patience=patience, rest=rest,
         duration=duration, fifo=fifo, busy=busy,
-        accelerometers=None if accelerometers is None else _checks.words(accelerometers, "accelerometers"),
         integrator=integrator, step=step, tolerance=tolerance, seed=seed, ideal_sensors=ideal_sensors,
-        record=_path(record)), ready, progress)
+        record=_checks.path_or_none(record, "record"))}, ready, progress)
 
 
 def packet_layout(machine: Machine, *, accelerometers: Optional[List[str]] = None) -> str:
@@ -65,8 +69,7 @@ def packet_layout(machine: Machine, *, accelerometers: Optional[List[str]] = Non
     accelerometers: as of serve(). The same as `hydrapod serve --print-layout`. Raises InputError for accelerometers
     that cannot be. Source: docs/howto/realtime.md.
     """
-    return _core.packet_layout(_core_of(machine), _checks.options(
-        accelerometers=None if accelerometers is None else _checks.words(accelerometers, "accelerometers")))
+    return _core.packet_layout(_core_of(machine), _accelerometers(accelerometers))
 
 
 class RigRun(NamedTuple):
@@ -139,14 +142,14 @@ def rig(machine: Machine, record: Optional[Path] = None, *, excite: Texts = (), 
     else:
         _one_kind_of_rig(False, layout=layout, key=key, limits=limits, ramp=ramp, ramp_down=ramp_down,
                          watchdog=watchdog, fifo=fifo)
-    return RigRun(**_core.rig(_core_of(machine), _checks.options(
-        record=None if record is None else os.fspath(record), excite=_checks.words(excite, "excite"), entry=entry,
+    return RigRun(**_core.rig(_core_of(machine), {**_accelerometers(accelerometers), **_checks.options(
+        record=_checks.path_or_none(record, "record"), excite=_checks.words(excite, "excite"), entry=entry,
         duration=duration, averages=averages, settling=settling, rate=rate, oversampling=oversampling,
         seed=seed, repeat=repeat,
-        accelerometers=None if accelerometers is None else _checks.words(accelerometers, "accelerometers"),
         length_sensor=length_sensor,
         pressure_sensor=pressure_sensor, current_sensor=current_sensor, torque_sensor=torque_sensor,
         speed_sensor=speed_sensor, drop_outs=drop_outs, anti_alias=anti_alias, above_limits=above_limits,
         hardware=None if hardware is None else _address(hardware, "hardware"),
-        shared_memory=shared_memory, layout=_path(layout), key=_path(key), limits=_limits(limits), ramp=ramp,
-        ramp_down=ramp_down, watchdog=watchdog, fifo=fifo), progress))
+        shared_memory=shared_memory, layout=_checks.path_or_none(layout, "layout"),
+        key=_checks.path_or_none(key, "key"), limits=_limits(limits), ramp=ramp,
+        ramp_down=ramp_down, watchdog=watchdog, fifo=fifo)}, progress))

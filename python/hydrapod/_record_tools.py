@@ -46,7 +46,7 @@ class VerifiedRecord(NamedTuple):
 
 def _output(path: Path, given: str) -> str:
     """The file to write, which is not the one that is read."""
-    name = os.fspath(path)
+    name = _checks.path(path, "path")
     if os.path.exists(name) and os.path.exists(given) and os.path.samefile(name, given):
         raise ValueError(f"{name!r} is the input, and was left as it is; choose another name")
     return name
@@ -151,9 +151,7 @@ def verify_record(path: Path, *, progress: Optional[Progress] = None) -> Verifie
     Raises InputError for a file that cannot be read, ComputationError where progress stops.
     Source: docs/howto/record.md. C++: tasks::verify_record in hydrapod/tasks/measurement.hpp.
     """
-    name = os.fspath(path)
-    if not isinstance(name, str):
-        raise TypeError(f"path: expected a text or a path, got {path!r}")
+    name = _checks.path(path, "path")
     return VerifiedRecord(name, *_core.verify_record(name, progress))
 
 
@@ -168,6 +166,6 @@ def recover_record(damaged: Path, to: Path, *, format: Optional[str] = None, rat
     Raises InputError where not one sample can be read, ComputationError where the disk is full or progress stops.
     Source: docs/howto/record.md. C++: data::recover_record in hydrapod/data/processing.hpp.
     """
+    given = _checks.path(damaged, "damaged")
     return RecoveredRecord(*_core.recover_record(
-        _checks.options(file=os.fspath(damaged), output=_output(to, os.fspath(damaged)), format=format, rate=rate),
-        progress))
+        _checks.options(file=given, output=_output(to, given), format=format, rate=rate), progress))

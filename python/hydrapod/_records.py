@@ -144,7 +144,7 @@ class Record:
 
     def write(self, path: Union[str, "os.PathLike[str]"]) -> None:
         """Writes .h5, .mat, .csv, .uff or .rsp, whole or not at all."""
-        self._core_record.write(os.fspath(path))
+        self._core_record.write(_checks.path(path, "path"))
 
     def to_xarray(self) -> Any:
         """As an xarray.DataArray (needs xarray)."""
@@ -187,9 +187,7 @@ def read_record(path: Union[str, "os.PathLike[str]"], *, rate: Optional[Quantity
     rate: sample rate [Hz] of files that do not tell it. Raises InputError. Source: docs/howto/record.md.
     C++: data::read_record in hydrapod/data/record_io.hpp.
     """
-    name = os.fspath(path)
-    if not isinstance(name, str):
-        raise TypeError(f"path: expected a text or a path, got {path!r}")
+    name = _checks.path(path, "path")
     core, warnings = _core.read_record(name, None if rate is None else _core.quantity(rate, "Hz", "rate"))
     return Record._of(core, warnings, name)
 
@@ -247,8 +245,7 @@ def files_of(measured: Measured) -> Iterator[List[str]]:
                 with open(paths[-1], "w", encoding="utf-8") as file:
                     file.write(item.json)
             else:
-                try:
-                    paths.append(os.fspath(item))
-                except TypeError:
-                    raise TypeError(f"expected a file, a Record or a result, got {item!r}") from None
+                if not isinstance(item, (str, os.PathLike)):
+                    raise TypeError(f"expected a file, a Record or a result, got {_checks.shown(item)}")
+                paths.append(_checks.path(item, "a file"))
         yield paths

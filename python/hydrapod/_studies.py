@@ -54,7 +54,7 @@ def _run(machine: Machine, kind: str, progress: Optional[Progress], results: Opt
     if results is None and (shard is not None or options.get("resume") or options.get("join")):
         raise ValueError("results: shard, resume and join need the file of the rows")
     with tempfile.TemporaryDirectory(prefix="hydrapod-") as folder:
-        path = os.path.join(folder, "study.h5") if results is None else os.fspath(results)
+        path = os.path.join(folder, "study.h5") if results is None else _checks.path(results, "results")
         for name in ("want", "only", "also", "correlate", "commands"):
             options[name] = _checks.words(options.get(name, ()), name)
         return _core.study(_core_of(machine), kind, _checks.options(results=path, **options), progress)
@@ -64,6 +64,8 @@ def _with_outputs(machine: Machine, kind: str, progress: Optional[Progress], res
                   outputs: Optional[Outputs], **options: Any) -> Study:
     """A study with columns of functions; the study is the first part of the progress, each column one more."""
     functions = _functions(outputs)
+    if functions and options.get("shard") is not None and not options.get("join"):
+        raise ValueError("outputs: a part has no rows for them; give outputs where join puts the parts together")
     for name in functions:
         if name in options.get("over", ()) or name in options.get("vary", ()) or _is_column(name):
             raise ValueError(f"outputs: {name}: the study has such a column itself")
@@ -350,10 +352,11 @@ class DesignFunction:
     """
 
     def __init__(self, machine: Machine, paths: Texts, *, modes: int = 6, threads: int = 0):
+        _core_of(machine)
         self.machine = machine
         self.paths = _checks.words(paths, "paths")
         self.modes = _checks.whole(modes, "modes")
-        self.threads = _checks.whole(threads, "threads")
+        self.threads = _checks.threads_of(threads)
         count = self.sample([[machine[path] for path in self.paths]]).shape[1]
         if not 1 <= modes <= count:
             raise ValueError(f"modes: expected 1 to {count}, got {modes}")

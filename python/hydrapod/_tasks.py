@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import numbers
 import os
 import tempfile
 from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple, Union
@@ -44,10 +43,6 @@ def _core_of(machine: Machine) -> _core.Machine:
     return machine._core_machine
 
 
-def _path(given: Optional[Path]) -> Optional[str]:
-    return None if given is None else os.fspath(given)
-
-
 def _point(given: Any) -> List[Quantity]:
     """Three lengths."""
     items = [] if isinstance(given, str) else list(given) if hasattr(given, "__len__") else []
@@ -79,16 +74,18 @@ def modes(machine: Machine, *, matrices: bool = False) -> Modes:
     return _core.modes(_core_of(machine), _checks.flag(matrices, "matrices"))
 
 
-def modes_at_poses(machine: Machine, poses: Texts) -> ModesAtPoses:
+def modes_at_poses(machine: Machine, poses: Texts, *, progress: Optional[Progress] = None) -> ModesAtPoses:
     """Modes at several poses, two or more, each followed by its shape from pose to pose.
 
     poses: names of the file or displacements from the neutral pose ("z=50 mm"). Result, m followed modes,
     p poses: frequency_hz (m, p), NaN where there is no such mode; mac (m, p) with the mode at the pose before;
     numbers (m, p), counted from 0, -1 for none; labels, poses.
     frequency_hz [Hz], mac [1]. Raises InputError for a pose that is unknown or out of reach, ValueError for fewer
-    than two. Source: docs/theory/linear-model.md. C++: tasks::modes_at_poses in hydrapod/tasks/linear.hpp.
+    than two, ComputationError where progress stops. Source: docs/theory/linear-model.md.
+    C++: tasks::modes_at_poses in hydrapod/tasks/linear.hpp.
     """
-    return _core.modes_at_poses(_core_of(machine), _checks.words(poses, "poses"))
+    with all_or_none(progress) as told:
+        return _core.modes_at_poses(_core_of(machine), _checks.words(poses, "poses"), told)
 
 
 def system(machine: Machine, *, closed: bool = True, pade_order: int = 2) -> System:
@@ -193,8 +190,7 @@ def frequencies(machine: Machine, designs: Mapping[str, Any], *, threads: int = 
     if columns[0].ndim > 1:
         raise ValueError("designs: expected numbers or arrays of one dimension")
     table = np.ascontiguousarray(np.stack([np.atleast_1d(column) for column in columns], axis=1))
-    return _core.frequencies(core, _checks.words(designs, "designs"), table, _checks.whole(threads, "threads"),
-                             progress)
+    return _core.frequencies(core, _checks.words(designs, "designs"), table, _checks.threads_of(threads), progress)
 
 
 # --- over time ------------------------------------------------------------------------------------
@@ -229,7 +225,7 @@ def simulate(machine: Machine, commands: Texts = (), *, wrench: Texts = (), init
         actuators=actuators, until=until,
         integrator=integrator, tolerance=tolerance, step=step, seed=seed, ideal_sensors=ideal_sensors,
         output_interval=output_interval, trace_samples=trace_samples,
-        record=None if record is None else os.fspath(record)), progress)
+        record=_checks.path_or_none(record, "record")), progress)
 
 
 # --- measurements ---------------------------------------------------------------------------------
@@ -239,7 +235,7 @@ def _measure_options(machine: Union[Machine, Path, None], options: Dict[str, Any
     if isinstance(machine, Machine):
         options["machine"] = machine._core_machine
     elif machine is not None:
-        options["machine_file"] = os.fspath(machine)
+        options["machine_file"] = _checks.path(machine, "machine")
     for name in ("inputs", "outputs", "instruments", "sensors"):
         if options.get(name) is not None:
             options[name] = _checks.words(options[name], name)
@@ -337,7 +333,8 @@ def calibrate(machine: Machine, targets: Union[Path, Record, Identified], free: 
         return _core.calibrate(_core_of(machine), _checks.options(
             targets=_only(files, "targets"), free=_bounds(free),
             priors=None if priors is None else {
-                path: _pair(pair, f"priors of {path}", "(value, spread)") for path, pair in priors.items()},
+                path: _pair(pair, f"priors of {path}", "(value, spread)")
+                for path, pair in _mapping(priors, "priors").items()},
             alternatives=_checks.words(alternatives, "alternatives"), profiles=_checks.words(profiles, "profiles"),
             loss=loss, starts=starts, seed=seed, threads=threads), progress)
 
@@ -346,6 +343,13 @@ def _only(files: List[str], name: str) -> str:
     if len(files) != 1:
         raise TypeError(f"{name}: expected one file or result, got {len(files)}")
     return files[0]
+
+
+def _mapping(given: Any, name: str) -> Mapping[str, Any]:
+    """A dict with paths as keys."""
+    if not isinstance(given, Mapping):
+        raise TypeError(f"{name}: expected a dict {{PATH: …}}, got {_checks.shown(given)}")
+    return given
 
 
 def _pair(given: Any, name: str, what: str) -> List[Quantity]:
@@ -413,27 +417,16 @@ def compare(*things: Union[Machine, Record, Identified, Frf, Path], overrides: M
                 level=level), told)
 
 
-def _diagnosis(files: List[str], options: Dict[str, Any]) -> Dict[str, Any]:
-    want = options.pop("want", None)
-    direction = None
-    if isinstance(want, str) and "=" in want:
-        direction, want = (part.strip() for part in want.split("=", 1))
-    if isinstance(want, str) and want.strip().startswith("drop"):
-        want = want.strip()[4:].strip()
-    is_drop = want is None or isinstance(want, numbers.Real) and want < 1 or isinstance(want, str) and \
-        want.endswith("%")
-    return _checks.options(measured=files, want_direction=direction, want_drop=want if is_drop else None,
-                           want_frequency=None if is_drop else want, **options)
-
-
 def diagnose(machine: Machine, measured: Measured = (), *, against: str = "auto",
              want: Optional[Quantity] = None, poses: Optional[Texts] = None, model_error: Quantity = 0.002,
              common_share: Quantity = 0.0, shape_error: Quantity = 0.05, response_error: Quantity = 0.1,
              modes_only: bool = False, damping: bool = False, threads: int = 0, progress: Optional[Progress] = None) -> Diagnosed:
     """Cause of low frequencies, its uncertainty, and the stiffness that is required.
 
-    measured: modes, responses or records ("run.h5@high" names the pose). want: a largest drop ("2 %", or a
-    number below 1) or a lowest frequency ("5 Hz", "x=5 Hz"). poses: names, or "workspace". against: the system that was
+    measured: modes, responses or records ("run.h5@high" names the pose). want: a text as --want of the command line
+    has it: a largest drop ("2 %", the default; "drop <= 2 %", "x=2 %") or a lowest frequency ("5 Hz", "x=5 Hz",
+    "x >= 5 Hz"); a number, or a text without a unit, is a lowest frequency in Hz, and a number below 1 needs its unit,
+    "2 %" or "0.5 Hz". poses: names, or "workspace". against: the system that was
     measured: auto, mechanics, plant or system. model_error, shape_error, response_error: uncertainty of a right model's
     frequencies, shapes and responses, as shares; common_share: of the variance of model_error, what all frequencies have
     in common. modes_only: without the responses. damping: damping ratios too.
@@ -444,12 +437,25 @@ def diagnose(machine: Machine, measured: Measured = (), *, against: str = "auto"
     C++: tasks::diagnose in hydrapod/tasks/measurement.hpp.
     """
     with files_of(measured) as files, all_or_none(progress, parts=True) as told:
-        return _core.diagnose(_core_of(machine), _diagnosis(files, dict(
-            want=want, against=against,
+        return _core.diagnose(_core_of(machine), _checks.options(
+            measured=files, want=want, against=against,
             poses=poses if poses is None or isinstance(poses, str) and poses == "workspace" else
             _checks.words(poses, "poses"), model_error=model_error, common_share=common_share,
             shape_error=shape_error, response_error=response_error, modes_only=modes_only, damping=damping,
-            threads=threads)), told)
+            threads=threads), told)
+
+
+def _refuse_idle(has: bool, what: str, **given: Any) -> None:
+    """Options that have no meaning without others."""
+    for name, value in given.items():
+        if value is not None and not has:
+            raise ValueError(f"{name}: belongs to {what}; give {what} too, or leave {name} out")
+
+
+def _list(given: Any, name: str) -> List[Any]:
+    if isinstance(given, str) or not hasattr(given, "__iter__"):
+        raise TypeError(f"{name}: expected a list, got {_checks.shown(given)}")
+    return list(given)
 
 
 def report(machine: Machine, path: Optional[Path] = None, *, poses: Texts = (), title: str = "",
@@ -470,17 +476,23 @@ def report(machine: Machine, path: Optional[Path] = None, *, poses: Texts = (), 
     ComputationError where progress stops. Source: docs/howto/report.md. C++: tasks::report_document in
     hydrapod/tasks/measurement.hpp.
     """
+    _refuse_idle(commands is not None, "commands", until=until)
+    _refuse_idle(measured is not None, "measured", from_=from_, to=to, input_from=input_from)
+    _refuse_idle(diagnose is not None, "diagnose", want=want)
+    _refuse_idle(measured is not None or diagnose is not None, "measured or diagnose",
+                 against=None if against == "auto" else against)
+    target = _checks.path_or_none(path, "path")
+    shown = [_checks.whole(mode, "modes") for mode in _list(modes, "modes")]
     with files_of(() if measured is None else measured) as records, \
             files_of(() if diagnose is None else diagnose) as causes, \
             files_of(() if compare is None else compare) as comparison, all_or_none(progress) as told:
-        result = _core.report(_core_of(machine), _checks.options(
-            poses=_checks.words(poses, "poses"), title=title, theme=theme,
-            modes=[_checks.whole(mode, "modes") for mode in modes], points=points,
+        result = _core.report(_core_of(machine), {"modes": shown, **_checks.options(
+            poses=_checks.words(poses, "poses"), title=title, theme=theme, points=points,
             commands=None if commands is None else _checks.words(commands, "commands"), until=until, samples=samples,
             comparison=_only(comparison, "compare") if comparison else None,
             identification=_checks.options(**{"files": records, "from": from_, "to": to, "input_from": input_from,
                                               "against": against}) if records else None,
-            diagnosis=_diagnosis(causes, {"want": want, "against": against}) if causes else None), told)
-    if path is not None:
-        result.write(os.fspath(path))
+            diagnosis=_checks.options(measured=causes, want=want, against=against) if causes else None)}, told)
+    if target is not None:
+        result.write(target)
     return result

@@ -1,5 +1,8 @@
 /// Side by side: poses of one machine; machines, records and modes.
 
+#include <algorithm>
+
+#include "hydrapod/base/error.hpp"
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/report/measured_results.hpp"
 #include "hydrapod/tasks/linear.hpp"
@@ -65,13 +68,59 @@ struct Compared : Result {
   }
 };
 
-std::shared_ptr<ModesAtPoses> modes_at_poses(const Machine& machine, const Names& poses) {
+/// Goes on with `more`, whose first pose is the last one of `found`.
+void append(report::ModesAtPoses& found, const report::ModesAtPoses& more, std::size_t poses) {
+  const auto last = found.tables.size() - 1;
+  found.tables.insert(found.tables.end(), more.tables.begin() + 1, more.tables.end());
+  for (const auto& mode : more.followed) {
+    const auto same = std::ranges::find_if(found.followed, [&](const auto& one) {
+      return mode.mode.front() >= 0 && one.mode[last] == mode.mode.front();
+    });
+    auto& into = same != found.followed.end()
+                     ? *same
+                     : found.followed.emplace_back(report::ModesAtPoses::Followed{
+                           std::vector<int>(poses, -1), std::vector<std::optional<double>>(poses)});
+    std::copy(mode.mode.begin() + 1, mode.mode.end(),
+              into.mode.begin() + static_cast<std::ptrdiff_t>(last) + 1);
+    std::copy(mode.mac.begin() + 1, mode.mac.end(),
+              into.mac.begin() + static_cast<std::ptrdiff_t>(last) + 1);
+  }
+}
+
+/// tasks::modes_at_poses() of some poses after the others, between which `watch` is asked.
+report::ModesAtPoses modes_at_poses(const Machine& machine, const Names& texts,
+                                    const numerics::Progress& watch) {
+  constexpr std::size_t block = 32;  // poses between two looks at signals
+  std::vector<model::NamedPose> poses;
+  for (std::size_t k = 0; k < texts.size(); ++k) {
+    if (k % block == 0 && watch(0.0)) throw base::ComputationError("interrupted");
+    poses.push_back(tasks::pose_of(machine->file.machine, texts[k]));
+  }
+  const auto count = poses.size();
+  const auto part = [&](std::size_t from, std::size_t to) {
+    return tasks::modes_at_poses(*machine, {poses.begin() + static_cast<std::ptrdiff_t>(from),
+                                            poses.begin() + static_cast<std::ptrdiff_t>(to)});
+  };
+  auto found = part(0, std::min(count, block));
+  for (auto& mode : found.followed) {
+    mode.mode.resize(count, -1);
+    mode.mac.resize(count);
+  }
+  for (std::size_t k = found.tables.size(); k < count; k = found.tables.size()) {
+    if (watch(static_cast<double>(k) / static_cast<double>(count)))
+      throw base::ComputationError("interrupted after " + std::to_string(k) + " poses");
+    append(found, part(k - 1, std::min(count, k + block)), count);
+  }
+  found.poses = std::move(poses);
+  return found;
+}
+
+std::shared_ptr<ModesAtPoses> modes_at_poses(const Machine& machine, const Names& poses,
+                                             const py::object& progress) {
   auto result = std::make_shared<ModesAtPoses>();
   result->machine = machine;
-  result->found = without_gil([&] {
-    std::vector<model::NamedPose> list;
-    for (const auto& pose : poses) list.push_back(tasks::pose_of(machine->file.machine, pose));
-    return tasks::modes_at_poses(*machine, list);
+  result->found = at_work(progress, [&](const numerics::Progress& watch) {
+    return modes_at_poses(machine, poses, watch);
   });
   return result;
 }
@@ -185,7 +234,10 @@ void add_compare(py::module_& module) {
         }
         return labels;
       });
-  module.def("modes_at_poses", &modes_at_poses, py::arg("machine"), py::arg("poses"));
+  module.def("modes_at_poses",
+             [](const Machine& machine, const Names& poses, const py::object& progress) {
+               return modes_at_poses(machine, poses, progress);
+             });
   py::class_<ModesAtAmplitudes, Result, std::shared_ptr<ModesAtAmplitudes>>(module,
                                                                             "ModesAtAmplitudes")
       .def_property_readonly("amplitudes",

@@ -1,5 +1,7 @@
 /// The extension module `hydrapod._core`. hydrapod/__init__.py is what people use.
 
+#include <filesystem>
+
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/version.hpp"
 #include "support.hpp"
@@ -8,7 +10,8 @@ namespace hydrapod::python {
 
 namespace {
 
-/// Raises hydrapod.InputError or hydrapod.ComputationError.
+/// Raises hydrapod.InputError or hydrapod.ComputationError; OSError where a path cannot be looked
+/// up, as open() does.
 void translate(std::exception_ptr thrown) {
   try {
     if (thrown) std::rethrow_exception(thrown);
@@ -22,6 +25,10 @@ void translate(std::exception_ptr thrown) {
   } catch (const base::ComputationError& error) {
     const auto type = py::module_::import("hydrapod._errors").attr("ComputationError");
     PyErr_SetString(type.ptr(), error.what());
+  } catch (const std::filesystem::filesystem_error& error) {
+    PyErr_SetObject(
+        PyExc_OSError,
+        py::make_tuple(error.code().value(), error.code().message(), error.path1().string()).ptr());
   }
 }
 

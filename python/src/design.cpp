@@ -42,7 +42,7 @@ void add_own_outputs(const Machine& machine, const Options& asked, tasks::Design
   for (const auto& change : options.change) paths.push_back(change.path);
   for (const auto& [name, call] : asked.get<py::dict>("outputs")) {
     options.own.push_back(
-        {.column = {name.cast<std::string>(), "1", "a function"},
+        {.column = {text_of(name, "outputs"), "1", "a function"},
          .of = [machine, paths, function = shared(call)](std::span<const double> values,
                                                          const model::NamedPose& pose) {
            const py::gil_scoped_acquire python;
@@ -55,8 +55,8 @@ void add_own_outputs(const Machine& machine, const Options& asked, tasks::Design
 tasks::DesignOptions options_of(const Machine& machine, const Options& asked) {
   tasks::DesignOptions options{.want = asked.get<Names>("want")};
   for (const auto& [path, text] : asked.get<py::dict>("change")) {
-    const auto key = path.cast<std::string>();
-    options.change.push_back({key, text.cast<std::string>(), "change " + key});
+    const auto key = text_of(path, "change");
+    options.change.push_back({key, text_of(text, key), "change " + key});
   }
   for (const auto& name : asked.get<Names>("minimise")) options.aims.push_back({name, false});
   for (const auto& name : asked.get<Names>("maximise")) options.aims.push_back({name, true});

@@ -52,22 +52,37 @@ int reduced_states(const Options& asked) {
   return states;
 }
 
+/// point and pade_order where a state space has no use for them, or nothing is one.
+void refuse_idle(const Options& asked, bool state_space, bool superelement) {
+  const bool mechanics = state_space && system_kind(asked) == exchange::SystemKind::mechanics;
+  const bool loop = state_space && system_kind(asked) == exchange::SystemKind::loop;
+  if (asked.has("point") && !mechanics && !superelement)
+    base::refuse("point",
+                 "has no meaning here: it is for state spaces of the mechanics and superelements");
+  if (asked.has("pade_order") && (!loop || asked.get("sampled", false)))
+    base::refuse("pade_order",
+                 "is the delay of the controller in a state space; give system=\"loop\" without "
+                 "sampled");
+}
+
 /// Options that another format has no use for.
 void refuse_idle(const Options& asked, tasks::ExportFormat format) {
   const bool fmu = format == tasks::ExportFormat::fmu2 || format == tasks::ExportFormat::fmu3;
+  const bool state_space = format <= tasks::ExportFormat::hdf5;
+  const bool superelement =
+      format == tasks::ExportFormat::matrix_market || format == tasks::ExportFormat::dmig;
   const auto has_meaning = [&](std::string_view name) {
     return name == "system" && (fmu || asked.get<std::string>("system") == "mechanics");
   };
-  if (format > tasks::ExportFormat::hdf5)
+  if (!state_space)
     for (const char* name : {"sample_time", "inputs", "outputs", "system", "sampled", "reduce"})
       if (asked.has(name) && !has_meaning(name))
         base::refuse(name, "has no meaning here: it is for state spaces (mat, npz, json, hdf5)");
-  if (asked.has("leg_modes") && format != tasks::ExportFormat::matrix_market &&
-      format != tasks::ExportFormat::dmig)
-    base::refuse("leg_modes", "has no meaning here: it is for superelements (mtx, dmig)");
-  if (asked.get("free_base", false) && format != tasks::ExportFormat::matrix_market &&
-      format != tasks::ExportFormat::dmig)
-    base::refuse("free_base", "has no meaning here: it is for superelements (mtx, dmig)");
+  refuse_idle(asked, state_space, superelement);
+  if (superelement) return;
+  if (asked.has("leg_modes") || asked.get("free_base", false))
+    base::refuse(asked.has("leg_modes") ? "leg_modes" : "free_base",
+                 "has no meaning here: it is for superelements (mtx, dmig)");
 }
 
 py::list parity_of(const exchange::Parity& parity) {
@@ -125,6 +140,7 @@ struct StateSpace : Result {
 
 std::shared_ptr<StateSpace> state_space(const Machine& machine, const Options& asked) {
   const auto system = system_kind(asked);
+  refuse_idle(asked, true, false);
   const exchange::StateSpaceOptions options{
       .system = system,
       .kind = machine->kind,

@@ -48,7 +48,7 @@ struct Report : Result {
 
 std::string number_text(const py::handle& value) {
   return py::isinstance<py::str>(value)
-             ? value.cast<std::string>()
+             ? text_of(value, "a quantity")
              : py::repr(py::float_(py::reinterpret_borrow<py::object>(value))).cast<std::string>();
 }
 
@@ -69,11 +69,11 @@ std::vector<calibration::FreeParameter> free_parameters(const py::object& given)
   };
   if (py::isinstance<py::dict>(given))
     for (const auto& [key, value] : given.cast<py::dict>())
-      add(key.cast<std::string>(), py::reinterpret_borrow<py::object>(value));
+      add(text_of(key, "free"), py::reinterpret_borrow<py::object>(value));
   else if (py::isinstance<py::str>(given))
-    add(given.cast<std::string>(), py::none());
+    add(text_of(given, "free"), py::none());
   else
-    for (const auto& path : given.cast<Names>()) add(path, py::none());
+    for (const auto& path : read_as<Names>(given, "free")) add(path, py::none());
   return list;
 }
 
@@ -88,7 +88,7 @@ std::shared_ptr<Calibrated> calibrate(const Machine& machine, const Options& ask
       const auto pair = value.cast<std::vector<py::object>>();
       if (pair.size() != 2) throw std::invalid_argument("priors: expected PATH: (value, spread)");
       options.priors.push_back(
-          {key.cast<std::string>(), {number_text(pair[0]), number_text(pair[1])}});
+          {text_of(key, "priors"), {number_text(pair[0]), number_text(pair[1])}});
     }
   for (const auto& text : asked.get<Names>("alternatives")) {
     calibration::Alternative made{.name = "with " + text, .origin = {.file = "--try " + text}};
@@ -111,19 +111,71 @@ std::shared_ptr<Calibrated> calibrate(const Machine& machine, const Options& ask
   return result;
 }
 
-diagnosis::RemedyGoal goal_of(const Options& asked) {
+/// The direction before "=", ">=" or "<=" of a goal, none of the word of its unit.
+std::optional<int> direction_of(const std::string& argument, std::string_view text, bool compares,
+                                bool drop) {
+  const std::string word(base::trimmed(text));
+  if (word == (drop ? "lowest" : "drop"))
+    base::refuse(argument,
+                 "a drop is wanted in % (\"drop <= 2 %\"), a lowest frequency in Hz (\"lowest >= "
+                 "5 Hz\")");
+  if (compares && (word == "lowest" || word == "drop")) return {};
+  return static_cast<int>(
+      choice("want", word, {spatial::direction_names.begin(), spatial::direction_names.end()}));
+}
+
+/// As --want of the command line has it: "2 %", "drop 2 %", "5.2 Hz", "x=5.2 Hz", "x >= 5.2 Hz",
+/// "drop <= 2 %"; a number without a unit is a frequency [Hz]. Besides,
+/// frequencies may be in rad/s, as others are.
+diagnosis::RemedyGoal goal_of_text(const std::string& text) {
   diagnosis::RemedyGoal goal;
-  if (asked.has("want_direction"))
+  const std::string argument = "want=" + text;
+  std::string_view amount = base::trimmed(text);
+  const bool drop = amount.ends_with('%');
+  if (const auto equals = amount.find('='); equals != std::string_view::npos) {
+    const char before = equals > 0 ? amount[equals - 1] : ' ';
+    const bool compares = before == '<' || before == '>';
+    if (compares && (before == '<') != drop)
+      base::refuse(argument,
+                   "a frequency is at least what is wanted (\"x >= 5 Hz\") and a drop at most "
+                   "(\"x <= 2 %\")");
     goal.direction =
-        static_cast<int>(choice("want_direction", asked.get<std::string>("want_direction"),
-                                {"x", "y", "z", "rx", "ry", "rz"}));
-  if (asked.has("want_frequency")) {
-    goal.omega = angular(asked["want_frequency"], "want_frequency");
+        direction_of(argument, amount.substr(0, equals - (compares ? 1 : 0)), compares, drop);
+    amount = base::trimmed(amount.substr(equals + 1));
+  }
+  if (amount.starts_with("drop")) amount = base::trimmed(amount.substr(4));
+  if (drop) {
+    const auto read = base::read_quantity(amount, "1");
+    if (!read.ok()) base::refuse(argument, read.problem);
+    if (!(read.value > 0.0 && read.value < 1.0))
+      base::refuse(argument, "expected a drop above 0 % and below 100 %, such as \"2 %\"");
+    goal.drop = read.value;
     return goal;
   }
-  goal.drop = asked.amount("want_drop", "1").value_or(0.02);
-  if (!(goal.drop > 0.0 && goal.drop < 1.0))
-    base::refuse("want_drop", "expected a drop above 0 and below 1, such as 0.02 or \"2 %\"");
+  const auto read = base::read_plain_or_quantity(amount, "Hz");
+  const auto radians = base::read_quantity(amount, "rad/s");
+  if (!read.ok() && !radians.ok()) base::refuse(argument, read.problem);
+  goal.omega = read.ok() ? base::two_pi * read.value : radians.value;
+  if (!(*goal.omega > 0.0))
+    base::refuse(argument,
+                 "expected a frequency above 0 (\"5 Hz\", \"x=5 Hz\") or a largest drop (\"2 %\")");
+  return goal;
+}
+
+diagnosis::RemedyGoal goal_of(const Options& asked) {
+  diagnosis::RemedyGoal goal;
+  if (!asked.has("want")) {
+    goal.drop = 0.02;
+    return goal;
+  }
+  const py::object given = asked["want"];
+  if (py::isinstance<py::str>(given)) return goal_of_text(text_of(given, "want"));
+  const double frequency = quantity(given, "Hz", "want");
+  if (!(frequency >= 1.0))
+    base::refuse("want=" + digits_of(frequency),
+                 "a number is a lowest frequency in Hz, as a text without a unit is; below 1 give "
+                 "the unit: \"2 %\" is a largest drop, \"0.5 Hz\" a frequency");
+  goal.omega = base::two_pi * frequency;
   return goal;
 }
 
@@ -150,10 +202,10 @@ tasks::DiagnoseOptions diagnose_options(const Machine& machine, const Options& a
   rules.threads = asked.get("threads", 0);
   if (asked.has("poses")) {
     const auto& given = asked["poses"];
-    if (py::isinstance<py::str>(given) && given.cast<std::string>() == "workspace")
+    if (py::isinstance<py::str>(given) && text_of(given, "poses") == "workspace")
       options.poses = diagnosis::workspace_poses(machine->file.machine);
     else
-      for (const auto& pose : given.cast<Names>())
+      for (const auto& pose : read_as<Names>(given, "poses"))
         options.poses.push_back(tasks::pose_of(machine->file.machine, pose));
   }
   return options;
@@ -181,7 +233,8 @@ std::shared_ptr<Report> make_report(const Machine& machine, const Options& asked
           "theme", asked.get<std::string>("theme", "auto"), {"auto", "light", "dark"})];
   options.page.modes = asked.get<std::vector<int>>("modes");
   options.page.points = asked.get("points", 600);
-  if (options.page.points > 20000) throw std::invalid_argument("points: expected 2 to 20000");
+  if (options.page.points < 2 || options.page.points > 20000)
+    throw std::invalid_argument("points: expected 2 to 20000");
   for (const auto& pose : asked.get<Names>("poses"))
     options.poses.push_back(tasks::pose_of(machine->file.machine, pose));
   if (asked.has("commands")) {
@@ -311,9 +364,10 @@ void add_fit(py::module_& module) {
             return without_gil([&] { return report::html_page(r.found.document, r.theme); });
           })
       .def("write",
-           [](const Report& r, const std::string& path) {
+           [](const Report& r, const py::object& path) {
+             const auto file = path_of(path, "path");
              without_gil([&] {
-               base::write_file_whole(path, report::html_page(r.found.document, r.theme));
+               base::write_file_whole(file, report::html_page(r.found.document, r.theme));
                return 0;
              });
            })

@@ -165,7 +165,7 @@ std::optional<py::array> one_design(const Subject& machine, const py::dict& desi
     if (!py::isinstance<py::str>(path) || !PyFloat_CheckExact(value.ptr()) ||
         !std::isfinite(PyFloat_AS_DOUBLE(value.ptr())))
       return {};
-    ids.push_back(found(machine, path.cast<std::string>()));
+    ids.push_back(found(machine, text_of(path, "designs")));
     numbers.push_back(PyFloat_AS_DOUBLE(value.ptr()));
   }
   const int modes = dynamics::degrees_of_freedom(machine.file.machine, machine.kind);

@@ -241,7 +241,8 @@ std::size_t format_of(const std::string& path, const std::vector<std::string_vie
 }
 
 /// As `hydrapod frf -o PATH` does.
-void write_responses(const Frf& result, const std::string& path) {
+void write_responses(const Frf& result, const py::object& file) {
+  const auto path = path_of(file, "path");
   const auto format = format_of(path, {"json", "csv", "uff", "mat", "h5"});
   without_gil([&] {
     auto titled = result.shared;
@@ -256,7 +257,8 @@ void write_responses(const Frf& result, const std::string& path) {
 }
 
 /// As `hydrapod identify -o PATH` does.
-void write_modes(const Identified& result, const std::string& path) {
+void write_modes(const Identified& result, const py::object& file) {
+  const auto path = path_of(file, "path");
   const auto format = format_of(path, {"json", "csv", "uff", "mat"});
   const auto& [measured, modes] = std::tie(result.found.measured, result.found.modes);
   without_gil([&] {
@@ -347,7 +349,8 @@ void add_record(py::module_& module) {
       .def_property_readonly("notes", [](const Record& r) { return r.header.notes; })
       .def_property_readonly("date", [](const Record& r) { return r.header.date; })
       .def_property_readonly("machine", [](const Record& r) { return r.header.experiment.machine; })
-      .def("write", [](const Record& record, const std::string& path) {
+      .def("write", [](const Record& record, const py::object& file) {
+        const auto path = path_of(file, "path");
         without_gil([&] {
           data::write_record(path, record, data::format_of_ending(path));
           return 0;

@@ -20,6 +20,7 @@ struct Study : Result {
   std::string kind{};
   tasks::StudyJob job{};
   tasks::StudyDone done{};
+  std::pair<int, int> shard{1, 1};  ///< part i of n
   std::vector<double> rows{};
   [[nodiscard]] std::size_t inputs() const { return job.problem.inputs.size(); }
   [[nodiscard]] std::size_t width() const { return inputs() + job.problem.outputs.size(); }
@@ -40,8 +41,8 @@ struct Study : Result {
 std::vector<tasks::Varied> varied(const Options& asked, const char* name) {
   std::vector<tasks::Varied> list;
   for (const auto& [path, text] : asked.get<py::dict>(name)) {
-    const auto key = path.cast<std::string>();
-    list.push_back({key, text.cast<std::string>(), std::string(name) + " " + key});
+    const auto key = text_of(path, name);
+    list.push_back({key, text_of(text, key), std::string(name) + " " + key});
   }
   return list;
 }
@@ -69,8 +70,9 @@ tasks::StudyOptions study_options(const std::string& kind, const Options& asked)
   if (options.vary.empty() && options.over.empty())
     base::refuse(kind == "montecarlo" ? "vary" : "over",
                  "expected at least one number that varies");
-  if (options.modes < 1 || options.modes > 36)
-    throw std::invalid_argument("modes: expected 1 to 36, got " + std::to_string(options.modes));
+  if (options.modes < 1 || options.modes > dynamics::max_dof)
+    throw std::invalid_argument(
+        fmt::format("modes: expected 1 to {}, got {}", dynamics::max_dof, options.modes));
   auto& plan = options.plan;
   const bool random = kind == "montecarlo";
   plan.design = static_cast<study::Design>(
@@ -102,6 +104,7 @@ std::shared_ptr<Study> run_study(const Machine& machine, const std::string& kind
     if (pair.first < 1 || pair.second < pair.first || pair.second > 100000)
       throw std::invalid_argument("shard: expected (i, n) with 1 ≤ i ≤ n");
     std::tie(running.shard, running.shards) = pair;
+    if (!running.join) result->shard = pair;
   }
   running.take = [&rows = result->rows](std::span<const double> some) {
     rows.insert(rows.end(), some.begin(), some.end());
@@ -212,6 +215,9 @@ void add_study(py::module_& module) {
                                           : std::vector{static_cast<int>(s.count())};
                              })
       .def_property_readonly("complete", [](const Study& s) { return s.done.complete; })
+      .def_property_readonly(
+          "part",
+          [](const Study& s) { return s.shard.second > 1 ? std::optional(s.shard) : std::nullopt; })
       .def_property_readonly("rows_file", [](const Study& s) { return s.done.rows_file; })
       .def_property_readonly("seconds", [](const Study& s) { return s.done.run.seconds; })
       .def_property_readonly("requirements",

@@ -85,9 +85,38 @@ void Watcher::rethrow() {
   if (error_) throw py::error_already_set(*error_);
 }
 
+void refuse_type(const py::handle& value, const std::string& name, const std::string& expected) {
+  throw py::type_error(fmt::format("{}: expected {}, got a value of the type {}", name, expected,
+                                   py::type::of(value).attr("__name__").cast<std::string>()));
+}
+
+std::string text_of(const py::handle& value, const std::string& name) {
+  if (!py::isinstance<py::str>(value)) refuse_type(value, name, "a text");
+  Py_ssize_t size = 0;
+  const char* const text = PyUnicode_AsUTF8AndSize(value.ptr(), &size);
+  if (text == nullptr) {
+    PyErr_Clear();
+    throw std::invalid_argument(name + ": is no text in UTF-8");
+  }
+  const std::string found(text, static_cast<std::size_t>(size));
+  if (found.find('\0') != std::string::npos)
+    throw std::invalid_argument(name + ": has a character 0");
+  return found;
+}
+
+std::string path_of(const py::handle& given, const std::string& name) {
+  const auto path = py::reinterpret_steal<py::object>(PyOS_FSPath(given.ptr()));
+  if (!path) {
+    PyErr_Clear();
+    refuse_type(given, name, "a text or a path");
+  }
+  if (!py::isinstance<py::str>(path)) refuse_type(path, name, "a text or a path");
+  return text_of(path, name);
+}
+
 double quantity(const py::handle& value, const char* unit, const std::string& name) {
   if (py::isinstance<py::str>(value)) {
-    const auto text = value.cast<std::string>();
+    const auto text = text_of(value, name);
     const auto read = base::read_plain_or_quantity(text, unit);
     if (!read.ok()) base::refuse(name + "=" + text, read.problem);
     return read.value;
@@ -107,7 +136,7 @@ double quantity(const py::handle& value, const char* unit, const std::string& na
 double angular(const py::handle& value, const std::string& name) {
   double omega = 0.0;
   if (py::isinstance<py::str>(value)) {
-    const auto text = value.cast<std::string>();
+    const auto text = text_of(value, name);
     const auto hertz = base::read_plain_or_quantity(text, "Hz");
     const auto radians = base::read_quantity(text, "rad/s");
     if (!hertz.ok() && !radians.ok()) base::refuse(name + "=" + text, hertz.problem);
@@ -135,18 +164,18 @@ bool Options::has(const char* name) const {
 
 std::optional<double> Options::amount(const char* name, const char* unit) const {
   if (!has(name)) return {};
-  return quantity((*this)[name], unit, name);
+  return quantity((*this)[name], unit, argument_of(name));
 }
 
 std::optional<double> Options::at_least_zero(const char* name, const char* unit) const {
   const auto value = amount(name, unit);
-  if (value && *value < 0.0) base::refuse(name, "cannot be negative");
+  if (value && *value < 0.0) base::refuse(argument_of(name), "cannot be negative");
   return value;
 }
 
 std::optional<double> Options::positive(const char* name, const char* unit) const {
   const auto value = amount(name, unit);
-  if (value && !(*value > 0.0)) base::refuse(name, "must be positive");
+  if (value && !(*value > 0.0)) base::refuse(argument_of(name), "must be positive");
   return value;
 }
 

@@ -12,6 +12,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "hydrapod/numerics/parallel.hpp"
@@ -159,6 +160,45 @@ auto without_gil(const Work& work) {
   return work();
 }
 
+/// A text in UTF-8 without a character 0; `name`: what messages call it. Throws py::type_error or
+/// std::invalid_argument.
+std::string text_of(const py::handle& value, const std::string& name);
+/// A path as os.fspath() has it, a text. Throws as text_of() does.
+std::string path_of(const py::handle& given, const std::string& name);
+[[noreturn]] void refuse_type(const py::handle& value, const std::string& name,
+                              const std::string& expected);
+
+/// What messages say of a type.
+template <class T>
+std::string words_of_type() {
+  if constexpr (std::is_same_v<T, bool>) return "True or False";
+  if constexpr (std::is_integral_v<T>) return "a whole number";
+  if constexpr (std::is_floating_point_v<T>) return "a number";
+  if constexpr (std::is_same_v<T, std::vector<int>>) return "a list of whole numbers";
+  if constexpr (std::is_base_of_v<py::dict, T>) return "a dict";
+  return "another kind of value";
+}
+
+/// `value` as a T; `name`: what messages call it. Throws as text_of() does.
+template <class T>
+T read_as(const py::handle& value, const std::string& name) {
+  if constexpr (std::is_same_v<T, std::string>) {
+    return text_of(value, name);
+  } else if constexpr (std::is_same_v<T, std::vector<std::string>>) {
+    if (!py::isinstance<py::list>(value) && !py::isinstance<py::tuple>(value))
+      refuse_type(value, name, "a list of texts");
+    T texts;
+    for (const auto& one : value) texts.push_back(text_of(one, name));
+    return texts;
+  } else {
+    try {
+      return value.cast<T>();
+    } catch (const py::cast_error&) {
+      refuse_type(value, name, words_of_type<T>());
+    }
+  }
+}
+
 /// A number in SI, or a text with a unit; `name`: what messages call it. Throws base::InputError.
 double quantity(const py::handle& value, const char* unit, const std::string& name);
 /// A number in Hz or a text in Hz or rad/s [rad/s].
@@ -176,7 +216,11 @@ class Options {
   [[nodiscard]] py::object operator[](const char* name) const { return values_[name]; }
   template <class T>
   [[nodiscard]] T get(const char* name, T otherwise = {}) const {
-    return has(name) ? (*this)[name].template cast<T>() : otherwise;
+    return has(name) ? read_as<T>((*this)[name], argument_of(name)) : otherwise;
+  }
+  /// What the option is called in Python.
+  [[nodiscard]] static std::string argument_of(const std::string& name) {
+    return name == "from" ? "from_" : name;
   }
   [[nodiscard]] std::optional<double> amount(const char* name, const char* unit) const;
   [[nodiscard]] std::optional<double> at_least_zero(const char* name, const char* unit) const;

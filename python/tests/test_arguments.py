@@ -1,6 +1,8 @@
 """Arguments that cannot be meant: a clear exception that names the argument, never another meaning."""
 
 import copy
+import inspect
+import os
 import pickle
 
 import numpy as np
@@ -55,11 +57,138 @@ sleeve = "legs.guide_sleeve.stiffness"
     (lambda m: hydrapod.compare(m, overrides=["a=1"]), "overrides"),
     (lambda m: hydrapod.DesignFunction(m, sleeve, modes="2"), "modes"),
     (lambda m: hydrapod.sweep(m, {sleeve: [1e6]}).add(3, [1.0]), "name"),
-    (lambda m: hydrapod.read_record(b"run.h5"), "path")])
+    (lambda m: hydrapod.read_record(b"run.h5"), "path"), (lambda m: hydrapod.calibrate(m, "t.csv", priors=1), "priors"),
+    (lambda m: hydrapod.frequencies(m, {sleeve: [1e6]}, threads=-1), "threads"),
+    (lambda m: hydrapod.DesignFunction(m, sleeve, threads=-1), "threads"),
+    (lambda m: hydrapod.DesignFunction("m.toml", sleeve), "machine"),
+    (lambda m: hydrapod.montecarlo(m, {sleeve: "normal ± 1 %"}, threads=-1), "threads"),
+    (lambda m: hydrapod.Plant.run_many([hydrapod.Plant(m)], np.zeros((3, 6)), 1e-3, threads=-1), "threads"),
+    (lambda m: hydrapod.rig(m, averages=-1), "averages"), (lambda m: hydrapod.rig(m, oversampling=0), "oversampling"),
+    (lambda m: hydrapod.modes_at_amplitudes(m, [np.inf]), "amplitudes"),
+    (lambda m: hydrapod.modes_at_amplitudes(m, np.nan), "amplitudes"),
+    (lambda m: hydrapod.sweep(m, {sleeve: [1e6]}, results=""), "results"),
+    (lambda m: hydrapod.sweep(m, {sleeve: [1e6]}, modes=0), "modes"),
+    (lambda m: hydrapod.sweep(m, {sleeve: [1e6]}, modes=43), "1 to 42"),
+    (lambda m: hydrapod.report(m, points=-3), "points"), (lambda m: hydrapod.report(m, modes=1), "modes"),
+    (lambda m: m.with_({sleeve: "\udc80"}), "UTF-8"), (lambda m: hydrapod.frequencies(m, {"\udc80": 1.0}), "designs"),
+    (lambda m: hydrapod.diagnose(m, want=["x=5 Hz"]), "want"), (lambda m: hydrapod.diagnose(m, want=True), "want")])
 def test_wrong_arguments_are_named(heavy, call, name):
     with pytest.raises((TypeError, ValueError)) as raised:
         call(heavy)
     assert name in str(raised.value) and "incompatible" not in str(raised.value) and "cast" not in str(raised.value)
+
+
+run_options = {"measured": "run.h5", "record": "run.h5", "damaged": "run.h5", "to": "other.h5", "new_rate": 100,
+               "path": "other.h5", "targets": "modes.csv", "vary": {sleeve: "normal ± 1 %"}, "over": {sleeve: [1e6]},
+               "change": {sleeve: "1:50 kN/mm"}, "key": sleeve, "start": 1e6, "stop": 2e6, "signals": "sine x=1 mm",
+               "designs": {sleeve: [1e6]}, "amplitudes": 1e-3, "parameters": "params.in", "stiffness": "K.mtx",
+               "mass": "M.mtx"}
+singles = {"str", "int", "bool", "float", "Quantity", "Path", *(f"Optional[{one}]" for one in ("str", "int", "bool",
+                                                                                               "Quantity", "Path"))}
+
+
+def single_values():
+    """Functions with their options that are one value: a number, a text, a flag or a path."""
+    for name in hydrapod.__all__:
+        function = getattr(hydrapod, name)
+        if inspect.isfunction(function) and not name.startswith(("plot_", "state_", "to_", "progress_")):
+            for option, parameter in inspect.signature(function).parameters.items():
+                if parameter.annotation in singles and parameter.kind == parameter.KEYWORD_ONLY:
+                    yield name, option
+
+
+@pytest.mark.parametrize("name, option", single_values())
+@pytest.mark.parametrize("wrong", [[10], "\udc80"], ids=["list", "surrogate"])
+def test_a_list_or_no_text_in_place_of_a_value(heavy, name, option, wrong):
+    """Casts in C++ had said RuntimeError, without the name of the argument."""
+    function = getattr(hydrapod, name)
+    given = {"machine": heavy, **run_options, "over": {"x": "0:1:2 mm"} if name == "workspace_map" else {sleeve: [1e6]},
+             "path": "other.npz" if name == "export" else "other.h5"}
+    needed = {one: given[one] for one, parameter in inspect.signature(function).parameters.items()
+              if parameter.default is parameter.empty and parameter.kind == parameter.POSITIONAL_OR_KEYWORD}
+    related = {"until": {"commands": "step z=1 mm"}, "want": {"diagnose": "modes.csv"}, "mass": {"stiffness": "K.mtx"},
+               **{one: {"measured": "run.h5"} for one in ("from_", "to", "input_from", "against")},
+               **{one: {"hardware": 4747} for one in ("layout", "key", "fifo", "ramp", "ramp_down", "watchdog")}}
+    if name in ("report", "rig"):
+        needed.update(related.get(option, {}))
+    if name == "attach":
+        needed.update({"stiffness": "K.mtx", "mass": "M.mtx"} if option not in ("punch", "uff") else {})
+    if option in ("resume", "join") and "results" in inspect.signature(function).parameters:
+        needed["results"] = "rows.h5"
+    with pytest.raises((TypeError, ValueError)) as raised:
+        function(**{**needed, option: wrong})
+    assert option in str(raised.value), str(raised.value)
+    assert "incompatible" not in str(raised.value) and "cast" not in str(raised.value)
+
+
+def test_paths_are_texts_or_paths(heavy, strong_run, tmp_path):
+    """pathlib.Path everywhere where a file is meant; bytes are refused by name."""
+    report = hydrapod.report(heavy, points=5)
+    record = hydrapod.Record(np.zeros((30, 1)), 100.0, "u")
+    results = [(hydrapod.frf(strong_run), "csv"), (hydrapod.identify(strong_run), "csv"), (report, "html"),
+               (record, "csv"), (heavy, "toml")]
+    for number, (result, ending) in enumerate(results):
+        path = tmp_path / f"{number}.{ending}"
+        result.write(path)
+        whole = path.read_bytes()
+        path.unlink()
+        result.write(str(path))
+        assert whole and path.read_bytes() == whole
+        for wrong in (os.fsencode(path), 3, None, "a\0b", "\udc80.csv"):
+            with pytest.raises((TypeError, ValueError), match="path"):
+                result.write(wrong)
+    for call in (lambda: hydrapod.export(heavy, b"a.npz"), lambda: hydrapod.report(heavy, b"a.html", points=5),
+                 lambda: hydrapod.simulate(heavy, until=0.01, record=b"a.h5"), lambda: hydrapod.frf(b"run.h5"),
+                 lambda: hydrapod.sweep(heavy, {sleeve: [1e6]}, results=b"a.h5"), lambda: hydrapod.rig(heavy, b"a.h5"),
+                 lambda: hydrapod.evaluate(heavy, b"params.in"), lambda: hydrapod.convert_record(record, b"a.h5"),
+                 lambda: hydrapod.frf(strong_run, machine=b"machine.toml"), lambda: hydrapod.verify_record(b"a.h5")):
+        with pytest.raises(TypeError, match="bytes|a file"):
+            call()
+
+
+def test_paths_that_no_file_can_have(heavy):
+    """As open() says it."""
+    for call in (lambda path: hydrapod.calibrate(heavy, path), lambda path: hydrapod.diagnose(heavy, path),
+                 hydrapod.read_record, lambda path: hydrapod.sweep(heavy, {sleeve: [1e6]}, results=path)):
+        with pytest.raises((OSError, ValueError), match="[Tt]oo long"):
+            call("x" * 5000)
+
+
+def test_options_without_what_they_belong_to(heavy):
+    """The command line refuses them."""
+    for options, word in [(dict(until="1 s"), "commands"), (dict(from_=3), "measured"), (dict(to=30), "measured"),
+                          (dict(input_from="drive"), "measured"), (dict(want="x=5 Hz"), "diagnose"),
+                          (dict(against="plant"), "measured or diagnose")]:
+        with pytest.raises(ValueError, match=f"{next(iter(options))}.*{word}"):
+            hydrapod.report(heavy, points=5, **options)
+
+
+def test_idle_options_of_exports(heavy, tmp_path):
+    for options in (dict(system="plant", point=(0, 0, 1)), dict(system="loop", point=(0, 0, 1)), dict(pade_order=2),
+                    dict(system="plant", pade_order=3), dict(system="loop", sampled=True, pade_order=3)):
+        for call in (lambda: hydrapod.machine_state_space(heavy, **options),
+                     lambda: hydrapod.export(heavy, tmp_path / "a.npz", **options)):
+            with pytest.raises(hydrapod.InputError, match="point" if "point" in options else "pade_order"):
+                call()
+    for name in ("a.uff", "a.xml", "a.sdf", "a.urdf"):
+        with pytest.raises(hydrapod.InputError, match="point"):
+            hydrapod.export(heavy, tmp_path / name, approximate=True, point=(0, 0, 1))
+        with pytest.raises(hydrapod.InputError, match="pade_order"):
+            hydrapod.export(heavy, tmp_path / name, approximate=True, pade_order=7)
+    assert not list(tmp_path.iterdir())
+    assert hydrapod.machine_state_space(heavy, system="loop", pade_order=3).pade_order == 3
+    assert hydrapod.machine_state_space(heavy, system="loop").pade_order == 2
+    hydrapod.export(heavy, tmp_path / "a.mtx", point=(0, 0, "1 m"))
+
+
+def test_parts_of_a_machine_are_equal_where_they_are_the_same(heavy):
+    again = hydrapod.read_machine(heavy.path)
+    assert heavy.legs == heavy.legs == again.legs and hash(heavy.legs) == hash(again.legs)
+    assert heavy.legs != heavy.platform and heavy.legs != heavy.at("low").legs and heavy.legs != "legs"
+
+
+def test_modes_of_studies_are_as_many_as_machines_have(heavy):
+    assert "mode14" in hydrapod.sweep(heavy, {sleeve: [1e6]}, modes=42).names
 
 
 def test_numbers_of_numpy_are_numbers(heavy):
@@ -69,9 +198,12 @@ def test_numbers_of_numpy_are_numbers(heavy):
     assert np.isfinite(seeded.values).all()
     with pytest.raises(hydrapod.InputError, match="boolean"):
         heavy.with_({sleeve: np.True_})
-    # below 1 it is a drop, whatever the kind of float
-    wanted = [hydrapod.diagnose(heavy, want=kind(0.125)).to_dict() for kind in (float, np.float32, np.float16)]
-    assert wanted[0] == wanted[1] == wanted[2]
+    # a frequency [Hz], whatever the kind of number; below 1 it could be meant as a drop
+    wanted = [hydrapod.diagnose(heavy, want=one).to_dict() for one in (5.0, np.float16(5), np.int64(5), "5", "5 Hz")]
+    assert all(one == wanted[0] for one in wanted)
+    for kind in (float, np.float32, np.float16):
+        with pytest.raises(hydrapod.InputError, match="2 %"):
+            hydrapod.diagnose(heavy, want=kind(0.125))
 
 
 masked = np.ma.masked_array([[1e-3] * 6, [9e9] * 6], [[False] * 6, [True] * 6])

@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from conftest import command_line, root
+from conftest import call_program, command_line, root
 from conftest import program_of as program
 
 import hydrapod
@@ -80,6 +80,32 @@ def test_variants(model):
         "modes", model, "--pose", "z=7 mm, ry=0.4 deg", "--model", "rigid",
         "--set", "platform.mass=1234.5678901234567", "--set", "environment.gravity=9.7 m/s^2",
         "--format", "json")
+
+
+@pytest.mark.parametrize("text", [
+    "2 %", " 2 % ", "drop 2 %", "drop <= 2 %", "x <= 2 %", "x=2 %", "rx = 3 %", "6 Hz", "6", "0.05",
+    "x=6 Hz", "x >= 6 Hz", "rz>=6", "lowest >= 5 Hz"])
+def test_wants_are_those_of_the_command_line(text):
+    machine = hydrapod.read_machine(root / "models" / "heavy-platform.toml")
+    assert hydrapod.diagnose(machine, want=text).to_dict() == command_line(
+        "diagnose", machine.path, "--want", text, "--format", "json")
+
+
+@pytest.mark.parametrize("text", ["", "x", "x <= 5 Hz", "x >= 2 %", "lowest <= 2 %", "drop >= 5 Hz", "up=5 Hz", "0 %",
+                                  "100 %", "-5 Hz", "0", "5 parsecs", "nonsense", "x >", "drop", "%"])
+def test_wants_that_neither_takes(heavy, text):
+    assert call_program("diagnose", heavy.path, f"--want={text}").returncode != 0
+    with pytest.raises(hydrapod.InputError, match="want"):
+        hydrapod.diagnose(heavy, want=text)
+
+
+def test_many_poses_are_computed_in_parts():
+    """As the command line does it at once."""
+    machine = hydrapod.read_machine(root / "models" / "zhang-jiang-2021.toml")
+    poses = [f"z={round(20 * np.sin(0.7 * k), 3)} mm, rx={round(2 * np.sin(1.9 * k), 3)} deg" for k in range(75)]
+    found = hydrapod.modes_at_poses(machine, poses)
+    asked = [word for pose in poses for word in ("--pose", pose)]
+    assert found.to_dict() == command_line("modes", machine.path, *asked, "--format", "json")
 
 
 def test_order_of_keys(model):

@@ -158,6 +158,20 @@ def test_control_c_stops(heavy):
     assert time.monotonic() - began < 20.0
 
 
+def test_control_c_stops_modes_at_many_poses(heavy):
+    poses = [f"z={-k / 1000} mm" for k in range(50_000)]
+    timer = threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT))
+    began = time.monotonic()
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        hydrapod.modes_at_poses(heavy, poses)
+    assert time.monotonic() - began < 3.0
+    shares = []
+    with pytest.raises(hydrapod.ComputationError, match="interrupted"):
+        hydrapod.modes_at_poses(heavy, poses, progress=lambda share: shares.append(share) or share > 0.0)
+    assert shares == sorted(shares) and shares[-1] < 0.5
+
+
 def in_another(text, timeout=120):
     return subprocess.run([sys.executable, "-c", text], cwd=root, timeout=timeout, capture_output=True, text=True)
 
@@ -173,6 +187,77 @@ time.sleep(0.4)
 print("end")
 """)
     assert (done.returncode, done.stdout) == (0, "end\n"), done.stderr
+
+
+looks = """
+import numpy as np, hydrapod
+m = hydrapod.read_machine("models/heavy-platform.toml")
+commands, seen = np.zeros((2000, 6)), []
+"""
+
+
+@pytest.mark.parametrize("text", ["""
+plant = hydrapod.Plant(m)
+def look(share):
+    seen.append((plant.time, len(plant.state), plant.outputs()["length"].shape, plant.linearise().A.shape[0]))
+    repr(plant)
+motion = plant.run(commands, 1e-3, progress=look)
+times = [one[0] for one in seen]
+assert times == sorted(times) and 0.0 < times[-1] < 2.0, times
+assert (motion == hydrapod.Plant(m).run(commands, 1e-3)).all()
+""", """
+plants = [hydrapod.Plant(m) for _ in range(3)]
+hydrapod.Plant.run_many(plants, commands, 1e-3, threads=2, progress=lambda share: seen.append([p.time for p in plants]))
+assert max(seen[-1]) > 0.0, seen
+"""], ids=["run", "run_many"])
+def test_progress_may_look_at_its_plant(text):
+    """It waited for the lock that its own run held, and Ctrl-C did not end that."""
+    done = in_another(looks + text)
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize("change", ["plant.step(None, 1e-3)", "plant.reset()", "plant.run(commands, 1e-3)",
+                                    "setattr(plant, 'state', plant.state)",
+                                    "hydrapod.Plant.run_many([plant], commands, 1e-3)"])
+@pytest.mark.parametrize("run", ["plant.run(commands, 1e-3, progress=change)",
+                                 "hydrapod.Plant.run_many([other, plant], commands, 1e-3, progress=change)"])
+def test_progress_changes_nothing_in_its_plant(run, change):
+    done = in_another(looks + f"""
+plant, other = hydrapod.Plant(m), hydrapod.Plant(m)
+def change(share):
+    hydrapod.Plant(m).step(None, 1e-3)  # another one is free
+    {change}
+try:
+    {run}
+except hydrapod.ComputationError as error:
+    print(error)
+plant.step(None, 1e-3)
+""")
+    assert done.returncode == 0 and "in a run" in done.stdout, done.stdout + done.stderr
+
+
+def test_steps_from_two_threads_during_a_run(heavy):
+    """The run is one turn: other steps come before or after it, whatever its progress does."""
+    plant, commands = hydrapod.Plant(heavy), np.zeros((1500, 6))
+    commands[:] = plant.rest_commands
+    runs = [threading.Thread(target=lambda: plant.run(commands, 1e-3, progress=lambda share: time.sleep(1e-3)))
+            for _ in range(2)]
+    for thread in runs:
+        thread.start()
+    for _ in range(50):
+        plant.step(None, 1e-3)
+        plant.outputs()
+    for thread in runs:
+        thread.join()
+    assert plant.time == pytest.approx(3.05, rel=1e-9)
+
+
+def test_options_are_read_with_the_interpreter(run):
+    """A wrong one raised its exception in a thread without the GIL, which tore the interpreter down."""
+    with pytest.raises(TypeError, match="spectra"):
+        hydrapod.show_record(run, spectra=[])
+    with pytest.raises(TypeError, match="spectra"):
+        hydrapod._core.show_record({"file": run, "spectra": []}, None)
 
 
 def test_many_plants_at_once(heavy):
