@@ -84,7 +84,16 @@ def _at_amplitudes(m: Any) -> Table:
             ["mode", "motion", *(f"{1e3 * a:.4g} mm: Hz" for a in m.amplitudes)], rows, "")
 
 
+def _part(s: Any) -> Table:
+    done = "is complete" if s.complete else "was interrupted; resume goes on with it"
+    return (f"{s.kind}, part {s.part[0]} of {s.part[1]}", [], [],
+            f"the part {done}\nits rows are in {s.rows_file}; join puts the parts together when all of them are there")
+
+
 def _study(s: Any) -> Table:
+    if s.part is not None:
+        return _part(s)
+
     def cells(name: str) -> Tuple[str, ...]:
         values = s[name][np.isfinite(s[name])]
         if not len(values):
@@ -201,7 +210,7 @@ def page(result: Any) -> str:
     cells = "".join(f"<th>{html.escape(title)}</th>" for title in titles)
     body = "".join("<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in row) + "</tr>" for row in rows)
     table = f"<table><thead><tr>{cells}</tr></thead><tbody>{body}</tbody></table>" if titles else ""
-    after = f"<p>{html.escape(below)}</p>" if below else ""
+    after = "<p>{}</p>".format(html.escape(below).replace("\n", "<br>")) if below else ""
     return (f"<div><b>{html.escape(type(result).__name__)}</b>: {html.escape(heading)}{_pictures.picture(result)}{table}"
             f"{after}</div>")
 

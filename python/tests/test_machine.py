@@ -236,3 +236,10 @@ def test_results_have_pictures_in_notebooks(heavy):
         for path in page.iter("{http://www.w3.org/2000/svg}path"):
             points = np.array(path.get("d").replace("L", " ").replace("M", " ").split(), dtype=float)
             assert 4 <= len(points) <= 2 * 300 and (points >= 0).all() and (points <= 360).all()
+
+
+def test_sentences_below_a_table_are_lines_of_the_page(heavy):
+    """A line end is nothing in HTML."""
+    checked = hydrapod.check(heavy)
+    below = checked._repr_html_().split("<p>")[1]
+    assert "\n" not in below and below.count("<br>") == len(checked.warnings) > 0

@@ -315,3 +315,20 @@ def test_grids_may_be_split(heavy, tmp_path, task, over):
     for k in (1, 2):
         task(heavy, over, results=path, shard=(k, 2))
     np.testing.assert_array_equal(task(heavy, over, results=path, shard=(1, 2), join=True).values, whole.values)
+
+
+def test_a_part_is_shown_as_a_part(heavy, tmp_path):
+    """Neither its repr nor its page raise; it has no rows here, and says where they are."""
+    over, path = {sleeve: np.linspace(1e6, 2e6, 6)}, tmp_path / "rows.h5"
+    for i in (1, 2):
+        part = hydrapod.sweep(heavy, over, results=path, shard=(i, 2))
+        assert part.part == (i, 2) and len(part) == 0 and part.complete
+        for text in (repr(part), part._repr_html_()):
+            assert f"part {i} of 2" in text and part.rows_file in text and "join" in text
+        with pytest.raises(hydrapod.ComputationError, match="join"):
+            part.to_dict()
+    with pytest.raises(ValueError, match="outputs"):
+        hydrapod.sweep(heavy, over, results=path, shard=(1, 2), outputs={"own": lambda m: 1.0})
+    joined = hydrapod.sweep(heavy, over, results=path, shard=(1, 2), join=True)
+    assert joined.part is None and len(joined) == 6 and "6 rows" in repr(joined)
+    assert hydrapod.sweep(heavy, over).part is None
