@@ -12,6 +12,7 @@ from typing import Any, List, Optional, Sequence, Tuple
 
 import numpy as np
 
+from . import _checks
 from ._core import Bode, CommandResponse, Diagnosed, Identified, Modes, Study
 
 flexible, rigid, good, grey = "#0072b2", "#d55e00", "#009e73", "#8a949e"  # told apart by the colour-blind
@@ -66,7 +67,7 @@ def _phase(values: Any) -> Any:
 
 
 def _frequency_axis(axes: Any, frequencies: Any) -> None:
-    from matplotlib.ticker import LogLocator, NullFormatter, ScalarFormatter  # type: ignore[import]
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter  # type: ignore[import]
 
     axes.set_xlim(frequencies[0], frequencies[-1])
     if not (frequencies[0] > 0.0 and frequencies[-1] > 3.0 * frequencies[0]):
@@ -74,7 +75,7 @@ def _frequency_axis(axes: Any, frequencies: Any) -> None:
     axes.set_xscale("log")
     wide = frequencies[-1] > 300.0 * frequencies[0]
     axes.xaxis.set_major_locator(LogLocator(subs=(1.0,) if wide else (1.0, 2.0, 5.0)))
-    axes.xaxis.set_major_formatter(ScalarFormatter())
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.6g}"))
     axes.xaxis.set_minor_formatter(NullFormatter())
 
 
@@ -158,8 +159,18 @@ def _pairs_of_axes(figure: Any, count: int) -> List[Tuple[Any, Any]]:
 
 
 def _legend(figure: Any, axes: Any, columns: int = 3) -> None:
+    """Below the axes, where titles of any length leave it free; above them where the figure has another layout."""
+    from matplotlib.figure import Figure
+    from matplotlib.layout_engine import ConstrainedLayoutEngine  # type: ignore[import]
+
     handles, labels = axes.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="upper right", fontsize=8, frameon=False, ncols=min(columns, len(labels)))
+    engine = figure.get_layout_engine()
+    below = isinstance(figure, Figure) and isinstance(engine, ConstrainedLayoutEngine)
+    if below:
+        share = 0.3 / figure.get_figheight()  # a line of the legend and its margins [inch]
+        engine.set(rect=(0.0, share, 1.0, 1.0 - share))
+    figure.legend(handles, labels, loc="lower center" if below else "upper right", fontsize=8, frameon=False,
+                  ncols=min(columns, len(labels)))
 
 
 def _bode_size(count: int) -> Tuple[float, float]:
@@ -204,6 +215,7 @@ def plot_fit(identified: Identified, entries: Optional[Sequence[Tuple[str, str]]
     entries: pairs (output, input) by name; default: the direct ones of a square response, else all, at most `most`.
     """
     _expect(identified, Identified)
+    most = _checks.whole(most, "most", 1)
     outputs, inputs = identified.outputs, identified.inputs
     if entries is not None:
         if not len(entries):
@@ -305,6 +317,8 @@ def plot_map(study: Study, value: str = "lowest", *, figure: Any = None) -> Any:
     Dashed: the end of the stroke.
     """
     _expect(study, Study)
+    if study.part is not None:
+        raise ValueError("plot_map: this is part {} of {} of a study; join puts the parts together".format(*study.part))
     if study.kind == "montecarlo" or len(study.shape) != study.input_count or study.input_count > 2:
         raise ValueError("plot_map: expected a grid over one or two inputs, of sweep() or workspace_map()")
     if not study.complete:
@@ -343,6 +357,7 @@ def plot_map(study: Study, value: str = "lowest", *, figure: Any = None) -> Any:
 def plot_diagnosis(diagnosed: Diagnosed, *, most: int = 14, figure: Any = None) -> Any:
     """Measured frequencies beside rigid-leg model and best hypothesis, and how far hypotheses are from the best."""
     _expect(diagnosed, Diagnosed)
+    most = _checks.whole(most, "most", 1)
     document = diagnosed.to_dict()
     if not document.get("hypotheses"):
         raise ValueError("plot_diagnosis: nothing was measured; expected a diagnosis with measured data")

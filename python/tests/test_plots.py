@@ -131,3 +131,40 @@ def test_a_figure_of_ones_own(heavy):
 
     figure = Figure()
     assert hydrapod.plot_modes(hydrapod.modes(heavy), figure=figure) is figure
+
+
+@pytest.mark.parametrize("band, entries", [((0.01, 1000), [("x", "x"), ("y", "ry")]), ((0.2, 30), [("x", "x")]),
+                                           ((0.001, 0.02), None)])
+def test_ticks_are_the_frequencies_where_they_are(heavy, band, entries):
+    """Those below 1 Hz were 0."""
+    figure = hydrapod.plot_bode(hydrapod.bode(heavy, from_=band[0], to=band[1], points=60), entries)
+    figure.draw_without_rendering()
+    for axes in figure.axes:
+        if axes.get_xlabel():
+            labels = [label.get_text() for label in axes.get_xticklabels()]
+            assert len(labels) > 2 and [float(label) for label in labels] == pytest.approx(list(axes.get_xticks()))
+
+
+def overlap(figure, one, other):
+    renderer = figure.canvas.get_renderer()
+    a, b = one.get_window_extent(renderer), other.get_window_extent(renderer)
+    return a.x0 < b.x1 and b.x0 < a.x1 and a.y0 < b.y1 and b.y0 < a.y1
+
+
+def test_legends_leave_titles_free(heavy, strong_run):
+    """Also of one response, whose figure is narrow."""
+    identified, bode = hydrapod.identify(strong_run), hydrapod.bode(heavy, points=50)
+    one = [(identified.outputs[0], identified.inputs[0])]
+    for figure in (hydrapod.plot_bode(bode, [("x", "x")]), hydrapod.plot_bode(bode), hydrapod.plot_fit(identified, one),
+                   hydrapod.plot_bode(hydrapod.bode(heavy, input="command", points=50), [("x", "x")]),
+                   hydrapod.plot_fit(identified), hydrapod.plot_stabilisation(identified)):
+        figure.draw_without_rendering()
+        (legend,) = figure.legends
+        assert not overlap(figure, legend, figure._suptitle)
+        assert not any(overlap(figure, legend, axes) or overlap(figure, legend, axes.xaxis.label)
+                       for axes in figure.axes)
+
+
+def test_most_is_at_least_one(heavy, strong_run):
+    with pytest.raises(ValueError, match="most"):
+        hydrapod.plot_fit(hydrapod.identify(strong_run), most=0)
