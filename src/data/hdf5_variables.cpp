@@ -329,7 +329,7 @@ class Hdf5Variables final : public VariableFile {
     const std::size_t at = v.name.rfind('/');
     const std::string group = at == v.name.npos ? "" : v.name.substr(0, at + 1);
     v.name = group + (kind == "integer" ? "row" : "time");
-    if (kind == "datetime64") v.unit = "ns";
+    if (kind == "datetime64" || kind == "timedelta64") v.unit = "ns";
   }
 
   /// The texts of a list as Python pickles it (protocol 0).

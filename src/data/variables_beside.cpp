@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "axis_units.hpp"
@@ -162,6 +163,82 @@ void require_time_axes(const std::vector<Variable>& variables, const Notes& note
                     "read from Universal Files, tables of text, and arrays beside a list of "
                     "frequencies",
                     base::printable(v.name), base::printable(v.text)));
+  }
+}
+
+namespace {
+
+std::string_view part_of(const Variable& v) {
+  const auto at = v.name.find_last_of("/.");
+  return at == v.name.npos ? std::string_view() : std::string_view(v.name).substr(0, at);
+}
+
+/// The first times and the last ones [s]: another rate, and another start, show in them.
+std::vector<double> ends_of(VariableFile& file, std::size_t variable) {
+  constexpr std::uint64_t most = 1024;
+  const Variable& v = file.variables()[variable];
+  const bool lies = v.slow == 1;
+  const std::uint64_t length = std::max(v.fast, v.slow), n = std::min(most, length);
+  std::vector<double> ends(2 * n);
+  for (const bool last : {false, true}) {
+    const std::uint64_t from = last ? length - n : 0;
+    if (!file.read(variable, lies ? 0 : from, lies ? 1 : n, lies ? from : 0, lies ? n : 1,
+                   ends.data() + (last ? n : 0)))
+      return {};
+  }
+  for (double& time : ends) time *= seconds_of(v.unit).value_or(1.0);
+  return ends;
+}
+
+bool are_times(const Variable& v) {
+  return v.kind == VariableKind::numbers && is_time_variable(v.name) &&
+         std::min(v.fast, v.slow) == 1 && std::max(v.fast, v.slow) > 1;
+}
+
+/// Numbers of times have many digits, but not all.
+bool differ(const std::vector<double>& a, const std::vector<double>& b) {
+  constexpr double digits = 1e-6;
+  double span = 0.0, most = 0.0;
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    span = std::max(span, std::abs(a[k] - a[0]));
+    most = std::max(most, std::abs(a[k] - b[k]));
+  }
+  return most > digits * span;
+}
+
+}  // namespace
+
+void require_one_record(VariableFile& file, const Notes& notes) {
+  const auto& all = file.variables();
+  constexpr auto advice = "these are several records; write one file for each";
+  std::optional<std::size_t> first, start;
+  std::vector<double> ends;
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    const Variable& v = all[k];
+    if (v.kind == VariableKind::numbers && v.fast * v.slow == 1 && std::isfinite(v.number) &&
+        is_start_name(v.name)) {
+      const auto in_seconds = [](const Variable& one) {
+        return one.number * seconds_of(one.unit).value_or(1.0);
+      };
+      if (start && part_of(all[*start]) != part_of(v) && in_seconds(all[*start]) != in_seconds(v))
+        notes.fail(fmt::format("'{}' is {:.9g} s and '{}' is {:.9g} s: {}",
+                               base::printable(all[*start].name), in_seconds(all[*start]),
+                               base::printable(v.name), in_seconds(v), advice));
+      if (!start) start = k;
+    }
+    if (!are_times(v)) continue;
+    if (!first) {
+      first = k;
+      ends = ends_of(file, k);
+      continue;
+    }
+    const Variable& one = all[*first];
+    if (part_of(one) == part_of(v) || std::max(v.fast, v.slow) != std::max(one.fast, one.slow))
+      continue;
+    const auto others = ends_of(file, k);
+    if (others.size() == ends.size() && differ(ends, others))
+      notes.fail(fmt::format("the times '{}' are not those of '{}': {}", base::printable(v.name),
+                             base::printable(one.name), advice));
   }
 }
 

@@ -48,6 +48,10 @@ struct ChannelTexts {
 ChannelTexts texts_beside(const std::vector<Variable>& variables, const std::string& samples,
                           std::size_t channels);
 
+/// Fails where parts of the file, groups or structures, have times or starts of their own that
+/// differ from those of another part: they are several records.
+void require_one_record(VariableFile& file, const Notes& notes);
+
 /// Fails where an axis is in another unit than one of time: it belongs to spectra.
 void require_time_axes(const std::vector<Variable>& variables, const Notes& notes);
 

@@ -258,6 +258,7 @@ class VariablesReader final : public RecordReader {
     if (sources_.empty())
       notes_.fail("no array of numbers with two samples or more was found in the file");
     require_time_axes(all(), notes_);
+    require_one_record(*file_, notes_);
     find_rate(times, options);
     take_texts();
     take_companions();

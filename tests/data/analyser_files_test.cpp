@@ -136,6 +136,40 @@ TEST(AnalyserFiles, SeveralRatesAreNotGuessedBetween) {
             200.0);
 }
 
+/// A file of two runs is two records: as one, the second would have the times of the first.
+TEST(AnalyserFiles, PartsWithTimesOfTheirOwnAreNotOneRecord) {
+  const auto file_of = [](const std::filesystem::path& path, double rate, double start,
+                          const char* unit) {
+    std::vector<double> one, other;
+    for (int k = 0; k < samples; ++k) {
+      one.push_back(k / 200.0);
+      other.push_back(start + k / rate);
+    }
+    Hdf5File file(path);
+    for (const char* group : {"run1", "run2"})
+      H5Gclose(H5Gcreate2(file.id(), group, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+    const auto list = [&](const char* name, const std::vector<double>& numbers) {
+      file.write(name, H5T_NATIVE_DOUBLE, {samples}, numbers.data());
+    };
+    list("run1/force", wave(3.0, 0.1));
+    list("run2/force", wave(2.0, 0.2));
+    list("run1/time", one);
+    list("run2/time", other);
+    if (unit != nullptr) file.attribute("run2/time", "unit", std::string(unit));
+  };
+  const TemporaryFolder folder;
+  const auto path = folder / "two.h5";
+  for (const auto& [rate, start] : {std::pair{100.0, 0.0}, {200.0, 100.0}}) {
+    file_of(path, rate, start, nullptr);
+    EXPECT_THAT(said(path), HasSubstr("the times 'run2/time' are not those of 'run1/time': these "
+                                      "are several records"));
+  }
+  file_of(path, 200.0, 0.0, nullptr);
+  EXPECT_EQ(data::read_record(path).record.header.sample_rate, 200.0);
+  file_of(path, 0.2, 0.0, "ms");
+  EXPECT_EQ(data::read_record(path).record.header.sample_rate, 200.0);
+}
+
 TEST(AnalyserFiles, GapsInAListOfTimesAreMissingSamples) {
   const TemporaryFolder folder;
   std::vector<double> time, value;
