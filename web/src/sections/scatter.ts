@@ -5,7 +5,7 @@ import { assignments, noCommand, shellCommand } from '../core/edits';
 import { beginWhenSeen, failureText, idle, sharedCore } from '../core/shared';
 import type { Editable } from '../document';
 import { button, html, identifier, onNewWidth, showCommand } from '../dom';
-import { fixed, significant, withPoint } from '../numbers';
+import { fixed, significant } from '../numbers';
 import { describe, histogram } from '../scatter/distribution';
 import type { State } from '../state';
 import { displacementOf } from '../workspace/displacement';
@@ -106,7 +106,7 @@ class Scatter {
     const id = identifier('deviation');
     const input = html('input', { type: 'text', inputmode: 'decimal', id, value: Number((100 * share).toPrecision(6)), 'data-deviation': path, autocomplete: 'off' });
     input.addEventListener('change', () => {
-      const wanted = Number(withPoint(input.value)) / 100;
+      const wanted = Number(input.value.replace(',', '.')) / 100;
       const parameter = this.choices.find((one) => one.path === path);
       const why = parameter ? forbidden(parameter, wanted) : null;
       input.setAttribute('aria-invalid', String(why !== null));
@@ -177,7 +177,7 @@ class Scatter {
     const read = () => {
       this.quantity = quantities[Number(value.value)]!;
       this.atLeast = sense.value === 'least';
-      const number = Number(withPoint(bound.value));
+      const number = Number(bound.value.replace(',', '.'));
       this.bound = bound.value.trim() !== '' && Number.isFinite(number) ? number : null;
       this.show();
     };
