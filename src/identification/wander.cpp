@@ -366,19 +366,21 @@ bool compare_in_shorter_blocks(data::RecordSet& records, const Measurement& meas
   return false;
 }
 
-/// Whether twins are one resonance that moved. Of modes nothing else is asked there: what leaks is
-/// more than in the blocks that they were found in.
+/// Whether twins are one resonance that moved. Of modes of one record nothing else is asked there:
+/// what leaks is more than in the blocks that they were found in. Of several, whose halves are
+/// other records, modes are compared: both leak alike.
 std::vector<Wandering> twins_in_shorter_blocks(
     data::RecordSet& records, const Measurement& measured, const MeasureOptions& measure,
     const Identification& found, const IdentifyOptions& identify, const WanderOptions& options,
     const numerics::Progress& progress) try {
+  const bool several = records.files().size() > 1;
   PartFits parts(found, identify);
-  if (!parts.has_twins()) return {};
+  if (!several && !parts.has_twins()) return {};
   auto all = halves_in_shorter_blocks(records, measured, measure, options.least_degrees, found.to,
                                       progress);
   if (!all) return {};
   for (auto& part : all->groups) parts.add(std::move(part), all->choice, all->estimator);
-  return parts.wandering_twins(options);
+  return several ? parts.wandering(options) : parts.wandering_twins(options);
 } catch (const base::ComputationError&) {  // a half has too little in it
   return {};
 }

@@ -201,6 +201,22 @@ struct Evaluate : testing::Test {
   }
 };
 
+/// Dakota asks for the same file again; what is no results file of Dakota stays.
+TEST_F(Evaluate, ReplacesItsOwnResultsAlone) {
+  write(2.3e6, 14100.0, 3, 1);
+  ASSERT_EQ(run().exit_code, 0);
+  EXPECT_EQ(run().exit_code, 0);
+  for (const char* text : {"a note\n", "1 2\n3 4\n", "FAIL\nnot so\n", "7.9 lowest mode\n"}) {
+    test::write_text(results, text);
+    const auto refused = run();
+    EXPECT_EQ(refused.exit_code, 2) << text;
+    EXPECT_THAT(refused.err, HasSubstr("was left as it is")) << text;
+    EXPECT_EQ(test::read_text(results), text);
+  }
+  test::write_text(results, "FAIL\n");
+  EXPECT_EQ(run().exit_code, 0);
+}
+
 TEST_F(Evaluate, AnswersTheStandardFormat) {
   write(2.3e6, 14100.0, 3, 1);
   const auto evaluated = run();

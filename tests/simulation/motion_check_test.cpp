@@ -1,5 +1,6 @@
 /// Motions judged before they run: which leg, when, by how much.
 
+#include "hydrapod/simulation/capability.hpp"
 #include "hydrapod/simulation/closed_loop.hpp"
 
 #include <gmock/gmock.h>
@@ -136,12 +137,27 @@ TEST(MotionCheck, SeesASingularPose) {
         kinematics::pose_quality(machine, near).condition >= kinematics::singular_condition;
     EXPECT_EQ(!leaves_workspace(machine, near).empty(), is_singular) << off;
   }
-  lift[5] = there;
-  const auto found = findings(machine, {ramp_to(lift, 0.0, 1.0)});
-  bool said = false;
-  for (const auto& finding : found)
-    said |= finding.message.starts_with("the commanded motion passes a singular pose at 1");
-  EXPECT_TRUE(said);
+  // to it, and through it from one sample to the next
+  for (const double to : {there, there + 0.37}) {
+    lift[5] = to;
+    bool said = false;
+    for (const auto& finding : findings(machine, {ramp_to(lift, 0.0, 1.0)}))
+      said |= finding.message.starts_with("the commanded motion passes a singular pose at ");
+    EXPECT_TRUE(said) << to;
+  }
+  lift[5] = there - 0.37;
+  for (const auto& finding : findings(machine, {ramp_to(lift, 0.0, 1.0)}))
+    EXPECT_FALSE(finding.message.starts_with("the commanded motion passes")) << finding.message;
+  // so do excursions, which look at some poses on their way
+  for (auto& leg : machine.legs) {
+    leg.stroke = {.retracted = 0.01, .length = 20.0};
+    leg.joint_limits = {};
+  }
+  const auto able = capability(machine, machine.neutral(), dynamics::ModelKind::rigid);
+  ASSERT_TRUE(able);
+  const auto& reach = able->of(Ability::excursion, 5, 0);
+  EXPECT_EQ(reach.limit, Limit::singular);
+  EXPECT_NEAR(reach.value, there, 5e-6);  // where the condition is 1e6
 }
 
 TEST(MotionCheck, LeavesTheSignalAtItsStart) {

@@ -290,5 +290,23 @@ TEST_F(SensorChanged, OtherUnitsAreRefused) {
   EXPECT_TRUE(changed_in(identified({written("p1.h5", first), written("p2.h5", other)})).empty());
 }
 
+/// Two records of a minute are too short for the test of longer ones: blocks of half the length
+/// tell whether a resonance is elsewhere in the second.
+TEST_F(SensorChanged, ButAMachineThatChangedBetweenShortRecordsIsNamed) {
+  const auto wandering_between = [&](double factor, std::uint64_t seed) {
+    auto other = three_masses();
+    for (auto& mode : other.modes) mode.pole *= factor;
+    const auto found = identified({written("p1.h5", sound_record(seed, three_masses(), 3600)),
+                                   written("p2.h5", sound_record(seed + 1, other, 3600))});
+    EXPECT_TRUE(changed_in(found).empty());
+    return std::ranges::count(found.modes.warnings, identification::ModeWarning::Kind::wanders,
+                              &identification::ModeWarning::kind);
+  };
+  for (std::uint64_t seed = 31; seed < 37; seed += 2) {
+    EXPECT_EQ(wandering_between(1.0, seed), 0) << seed;
+    EXPECT_GE(wandering_between(0.991, seed), 2) << seed;
+  }
+}
+
 }  // namespace
 }  // namespace hydrapod::tasks
