@@ -213,7 +213,7 @@ Columns columns_of(const Reading& reading, Index most_outputs) {
 class Places {
  public:
   Places(Index outputs, Index order, const LostRowsOptions& options)
-      : outputs_(outputs), order_(order), options_(options) {}
+      : outputs_(outputs), order_(order), options_(options), last_(order) {}
   /// At a place one of so many outputs stands out, whichever they are.
   [[nodiscard]] Index enough() const { return half() + 1; }
   [[nodiscard]] bool is_quiet(const MatrixXd& e) const {
@@ -222,7 +222,7 @@ class Places {
   /// use(t) at each place. `e`: by deviations, of the rows from `first` on of the file.
   template <class Use>
   void look(std::size_t file, std::int64_t first, MatrixXd e, const Use& use) {
-    if (file != file_) last_ = -1 - order_;
+    if (file != file_) last_ = order_;  // what was before the file is not known
     file_ = file;
     if (is_quiet(e)) return;
     for (Index k = 0; k < e.cols(); ++k) {
@@ -243,7 +243,7 @@ class Places {
   Index outputs_, order_;
   const LostRowsOptions& options_;
   std::size_t file_{};
-  std::int64_t last_{-1 - order_};  // row of the file with an error that is not quiet
+  std::int64_t last_;  // row of the file with an error that is not quiet
 };
 
 }  // namespace

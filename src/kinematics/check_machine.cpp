@@ -190,6 +190,22 @@ void check_legs(const model::Machine& machine, const Pose& X_BP, Findings& findi
               *(machine.legs[i].joint_limits.*limit) * degrees);
         });
   };
+  const auto geometry = inverse_kinematics(machine, X_BP);
+  const auto is_locked = [&](int i) {
+    constexpr double lock = 1.0 - 1e-9;  // as leg_frame() has it
+    const auto& leg = machine.legs[i];
+    return machine.flexible_axes == model::FlexibleAxes::gimbal && !leg.strut &&
+                   std::abs(leg.gimbal_axis.dot(geometry[static_cast<std::size_t>(i)].n)) > lock
+               ? 1.0
+               : 0.0;
+  };
+  add(
+      failing(is_locked),
+      [](const LegsAtPose&, int i) {
+        return fmt::format("leg {} points along the first axis of its lower gimbal (gimbal lock)",
+                           i + 1);
+      },
+      "; choose another legs.gimbal_axis, or model.flexible_axes = \"transverse\"");
   tilt("base", &model::JointLimits::base, &JointAngles::base_tilt);
   tilt("platform", &model::JointLimits::platform, &JointAngles::platform_tilt);
 }

@@ -182,5 +182,21 @@ TEST(LostRows, AStepOfTheExcitationIsNone) {
   EXPECT_THAT(said(gapped_measurement(record)), testing::IsEmpty());
 }
 
+/// What was before the first rows that are predicted is not known: a record that begins in a
+/// transient has lost nothing.
+TEST(LostRows, BesideTheBeginningAreNone) {
+  const auto whole = gapped_record(five_masses(), {}, 7);
+  const auto without = [&](Eigen::Index row) {
+    auto record = whole;
+    const Eigen::Index after = whole.samples.rows() - row - 9;
+    record.samples.middleRows(row, after) = whole.samples.bottomRows(after);
+    record.samples = record.samples.topRows(row + after).eval();
+    return record;
+  };
+  for (const Eigen::Index row : {16, 20})
+    EXPECT_THAT(said(gapped_measurement(without(row))), testing::IsEmpty()) << row;
+  EXPECT_THAT(said(gapped_measurement(without(60))), testing::SizeIs(1));
+}
+
 }  // namespace
 }  // namespace hydrapod::identification

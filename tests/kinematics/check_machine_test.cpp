@@ -126,6 +126,19 @@ TEST(CheckMachine, NamesAJointBeyondItsLimit) {
                   "pose, limit 0.5°"));
 }
 
+/// Under gravity it was an equilibrium that could not be found.
+TEST(CheckMachine, NamesALegInGimbalLock) {
+  auto machine = published_machine();
+  const auto legs = kinematics::inverse_kinematics(machine, machine.neutral());
+  for (const std::size_t i : {2, 4}) machine.legs[i].gimbal_axis = -legs[i].n;
+  EXPECT_THAT(messages(machine), IsEmpty());  // transverse axes do not depend on it
+  machine.flexible_axes = model::FlexibleAxes::gimbal;
+  EXPECT_THAT(messages(machine),
+              ElementsAre("poses.neutral: leg 3 points along the first axis of its lower gimbal "
+                          "(gimbal lock); also leg 5; choose another legs.gimbal_axis, or "
+                          "model.flexible_axes = \"transverse\""));
+}
+
 TEST(CheckMachine, NamesASingularPose) {
   auto machine = machine_with_second_pose();
   machine.poses[1].X_BP.R_BP = spatial::rotation_from_vector({0.0, 0.0, std::numbers::pi / 2.0});
