@@ -178,6 +178,17 @@ std::size_t room_for(data::RecordSet& records, const ToneReading& reading, Index
   return std::max<std::size_t>(1, options.most_numbers / (times * reading.channels.size()));
 }
 
+/// Is it, within the resolution of the records, a line of the excitation? The machine's transient
+/// makes a candidate of one: it is in the differences, and the line in the samples.
+bool is_excitation(const Tone& tone, data::RecordSet& records, const ToneReading& reading,
+                   double sample_rate) {
+  std::int64_t longest = 1;
+  for (std::size_t k = 0; k < records.files().size(); ++k)
+    longest = std::max(longest, records.count_samples(k));
+  const double line = tone.frequency * reading.block / sample_rate;
+  return std::abs(line - std::round(line)) * static_cast<double>(longest) < reading.block;
+}
+
 }  // namespace
 
 std::vector<Index> conspicuous_lines(const CrossSpectra& spectra,
@@ -243,6 +254,10 @@ std::vector<Tone> find_tones(data::RecordSet& records, const ToneReading& readin
   std::vector<Tone> tones;
   if (omegas.empty()) return tones;
   for (auto& tracks : fits()) tones.push_back(tone_of(std::move(tracks), spectra.sample_rate));
+  if (reading.periodic)
+    std::erase_if(tones, [&](const Tone& tone) {
+      return is_excitation(tone, records, reading, spectra.sample_rate);
+    });
   std::ranges::sort(tones, {}, &Tone::frequency);
   return tones;
 }

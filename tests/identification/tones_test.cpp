@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
+
 #include "foreign_loop.hpp"
 #include "hall_record.hpp"
 
@@ -86,6 +89,48 @@ TEST(Tones, OfMainsInALoopAreTakenOut) {
   EXPECT_EQ(score.false_modes, 0);
   EXPECT_LT(score.largest_frequency_error(), 3e-3);
   EXPECT_LT(score.largest_damping_error(), 0.1);
+}
+
+/// From rest, twenty sweeps of 4 s; the lowest mode stands at a line of these, 8 Hz.
+data::Record sweeps_from_rest(std::uint64_t seed) {
+  using Eigen::Vector3d;
+  test::ModalSystem system{{test::real_mode(8.0, 0.0097, Vector3d(0.83, -0.41, 0.57)),
+                            test::real_mode(15.93, 0.0113, Vector3d(-0.37, 0.91, 0.62)),
+                            test::real_mode(26.3, 0.0088, Vector3d(0.69, 0.52, -0.97))}};
+  for (auto& mode : system.modes) mode.participation = mode.participation.head(1).eval();
+  constexpr double rate = 256.0;
+  constexpr Eigen::Index period = 1024, periods = 20;
+  test::Random random(seed);
+  Eigen::VectorXd u(period);
+  for (Eigen::Index k = 0; k < period; ++k) {
+    const double t = static_cast<double>(k) / rate;
+    u[k] = std::sin(2.0 * std::numbers::pi * (2.0 * t + 58.0 / 8.0 * t * t));
+  }
+  data::Record record{.header = test::header_of(1, 3, rate),
+                      .samples = data::Samples(period * periods, 4)};
+  test::ModalRun run(system, 1.0 / rate);
+  for (Eigen::Index t = 0; t < period * periods; ++t) {
+    const Eigen::VectorXd now = u.segment(t % period, 1);
+    record.samples.row(t) << now.transpose(), run.output().transpose();
+    run.advance(now);
+  }
+  for (Eigen::Index c = 1; c < 4; ++c) {
+    const double size = 0.003 * std::sqrt(record.samples.col(c).array().square().mean());
+    for (double& y : record.samples.col(c)) y += size * test::normal(random);
+  }
+  return record;
+}
+
+TEST(Tones, AreNoneWhereTheMachineBeginsFromRest) {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    const auto m = measured({sweeps_from_rest(seed)});
+    EXPECT_TRUE(m.responses.harmonics.empty()) << seed;
+    const auto found = identify_modes(m);
+    ASSERT_FALSE(found.modes.empty()) << seed;
+    const auto& lowest = found.modes.front();
+    EXPECT_NEAR(lowest.fit.omega(), 16.0 * std::numbers::pi, 0.01) << seed;
+    EXPECT_NEAR(lowest.fit.damping_ratio(), 0.0097, 4.0 * lowest.fit.damping_deviation) << seed;
+  }
 }
 
 }  // namespace
