@@ -170,16 +170,20 @@ int lowest_platform_mode(const std::vector<TabledMode>& modes) {
 
 namespace {
 
-/// `shape` of the model `from` in the coordinates of `to`; what `to` lacks is dropped.
+/// `shape` of the model `from` in the coordinates of `to`; what `to` lacks is dropped. Tilts are
+/// vectors normal to the leg, with components along its t and a2, which turn with a gimbal axis.
 ModelVector in_coordinates(const ModelVector& shape, const LinearModel& from,
                            const LinearModel& to) {
   const int has = dynamics::flexible_per_leg(from.kind),
             wants = dynamics::flexible_per_leg(to.kind);
   ModelVector result = ModelVector::Zero(to.dof());
   result.head<6>() = shape.head<6>();
-  for (int leg = 0; leg < model::leg_count; ++leg)
-    for (int k = 0; k < std::min(has, wants); ++k)
-      result[6 + wants * leg + k] = shape[6 + has * leg + k];
+  for (int leg = 0; leg < model::leg_count; ++leg) {
+    const Eigen::Matrix2d turned =
+        to.legs[leg].frame.R_BL.leftCols<2>().transpose() * from.legs[leg].frame.R_BL.leftCols<2>();
+    for (int k = 0; k < std::min(has, wants); k += 2)
+      result.segment<2>(6 + wants * leg + k) = turned * shape.segment<2>(6 + has * leg + k);
+  }
   for (int j = 0; j < to.base_count(); ++j)
     for (int k = 0; k < from.base_count(); ++k)
       if (to.base_directions[j] == from.base_directions[k])

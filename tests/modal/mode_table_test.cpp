@@ -177,6 +177,22 @@ TEST(MatchModes, SignsAndPhasesOfShapesDoNotCount) {
     EXPECT_EQ(match[static_cast<std::size_t>(k)], k);
 }
 
+/// Of transverse axes a gimbal axis states the components of tilts, and nothing else.
+TEST(MatchModes, ModesAreTheSameBesideAnotherAxis) {
+  Random random(36);
+  for (const auto kind : {ModelKind::guide, ModelKind::full}) {
+    auto machine = random_machine(random, {.axes = model::FlexibleAxes::transverse});
+    const auto before = table_of(machine, kind);
+    for (auto& leg : machine.legs) leg.gimbal_axis = random.direction();
+    const auto now = table_of(machine, kind);
+    const auto match = modal::match_modes(now.real, before.real);
+    for (std::size_t k = 0; k < match.size(); ++k) {
+      ASSERT_EQ(match[k], static_cast<int>(k));
+      EXPECT_NEAR(now.real.modes[k].mode.omega / before.real.modes[k].mode.omega, 1.0, 1e-9);
+    }
+  }
+}
+
 TEST(MatchModes, PairsOneToOneAcrossKinds) {
   auto machine = symmetric_machine();
   for (auto& leg : machine.legs) leg.piston_ring->stiffness = 1e9;  // hardly changes the others
