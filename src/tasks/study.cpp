@@ -371,8 +371,13 @@ StudyDone run_study(const StudyJob& job, const StudyRunOptions& options, const P
   std::shared_ptr<void> held;  // no other run takes the rows until they are in the results
   std::vector<std::string> files;
   if (options.join) {
-    for (int k = 1; k <= options.shards; ++k)
+    for (int k = 1; k <= options.shards; ++k) {
       files.push_back(shard_file(options.output, k, options.shards));
+      if (!fs::exists(files.back()))
+        base::refuse(files.back(), fmt::format("part {} of {} is not there; run it with --shard "
+                                               "{}/{}, or bring its file here",
+                                               k, options.shards, k, options.shards));
+    }
     done.run.count = job.rows;
     check_results(job, options);
   } else {

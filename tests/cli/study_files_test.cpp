@@ -381,5 +381,19 @@ TEST_F(StudyFiles, PicturesHaveWhatTheyShow) {
   EXPECT_THAT(test::read_text(folder.path() / "m.svg"), HasSubstr("rz"));
 }
 
+TEST_F(StudyFiles, AMissingPartIsNamed) {
+  const auto part = [&](const std::string& which, const std::vector<std::string>& more = {}) {
+    std::vector<std::string> words{"--samples", "64", "--results", "p.h5", "--shard", which};
+    words.insert(words.end(), more.begin(), more.end());
+    return masses("uniform ± 5 %", words);
+  };
+  EXPECT_EQ(part("1/3").exit_code, 0);
+  EXPECT_EQ(part("3/3").exit_code, 0);
+  const auto joined = part("3", {"--join"});
+  EXPECT_EQ(joined.exit_code, 2);
+  EXPECT_THAT(joined.err, HasSubstr("p.h5.rows2of3: error: part 2 of 3 is not there; run it with "
+                                    "--shard 2/3"));
+}
+
 }  // namespace
 }  // namespace hydrapod
