@@ -55,8 +55,9 @@ void add_evaluate(Command app) {
         one_each_as("NAME=PATH")},
        {"--function", arguments.options.outputs,
         "Output of each function, in their order; default: the label of the function", one_each}});
-  command.also_writes(
-      [&arguments] { return std::vector<NamedFile>{{"RESULTS", arguments.results}}; });
+  command.also_writes([&arguments] {
+    return std::vector<NamedFile>{{"RESULTS", arguments.results}};
+  });
   add_pose_option(command, arguments.machine);
   add_model_option(command, arguments.machine);
 }

@@ -108,7 +108,8 @@ bool is_evaluation(std::string_view text) {
   return std::ranges::all_of(lines, [](std::string_view line) {
     const auto words = base::split(base::trimmed(line), " ");
     if (words.size() == 1) return words[0] == "FAIL";
-    if (words.front() != "[") return words.size() == 2 && is_number(words[0]) && !is_number(words[1]);
+    if (words.front() != "[")
+      return words.size() == 2 && is_number(words[0]) && !is_number(words[1]);
     return words.back() == "]" && std::all_of(words.begin() + 1, words.end() - 1, is_number);
   });
 }

@@ -111,57 +111,6 @@ std::shared_ptr<Calibrated> calibrate(const Machine& machine, const Options& ask
   return result;
 }
 
-/// The direction before "=", ">=" or "<=" of a goal, none of the word of its unit.
-std::optional<int> direction_of(const std::string& argument, std::string_view text, bool compares,
-                                bool drop) {
-  const std::string word(base::trimmed(text));
-  if (word == (drop ? "lowest" : "drop"))
-    base::refuse(argument,
-                 "a drop is wanted in % (\"drop <= 2 %\"), a lowest frequency in Hz (\"lowest >= "
-                 "5 Hz\")");
-  if (compares && (word == "lowest" || word == "drop")) return {};
-  return static_cast<int>(
-      choice("want", word, {spatial::direction_names.begin(), spatial::direction_names.end()}));
-}
-
-/// As --want of the command line has it: "2 %", "drop 2 %", "5.2 Hz", "x=5.2 Hz", "x >= 5.2 Hz",
-/// "drop <= 2 %"; a number without a unit is a frequency [Hz]. Besides,
-/// frequencies may be in rad/s, as others are.
-diagnosis::RemedyGoal goal_of_text(const std::string& text) {
-  diagnosis::RemedyGoal goal;
-  const std::string argument = "want=" + text;
-  std::string_view amount = base::trimmed(text);
-  const bool drop = amount.ends_with('%');
-  if (const auto equals = amount.find('='); equals != std::string_view::npos) {
-    const char before = equals > 0 ? amount[equals - 1] : ' ';
-    const bool compares = before == '<' || before == '>';
-    if (compares && (before == '<') != drop)
-      base::refuse(argument,
-                   "a frequency is at least what is wanted (\"x >= 5 Hz\") and a drop at most "
-                   "(\"x <= 2 %\")");
-    goal.direction =
-        direction_of(argument, amount.substr(0, equals - (compares ? 1 : 0)), compares, drop);
-    amount = base::trimmed(amount.substr(equals + 1));
-  }
-  if (amount.starts_with("drop")) amount = base::trimmed(amount.substr(4));
-  if (drop) {
-    const auto read = base::read_quantity(amount, "1");
-    if (!read.ok()) base::refuse(argument, read.problem);
-    if (!(read.value > 0.0 && read.value < 1.0))
-      base::refuse(argument, "expected a drop above 0 % and below 100 %, such as \"2 %\"");
-    goal.drop = read.value;
-    return goal;
-  }
-  const auto read = base::read_plain_or_quantity(amount, "Hz");
-  const auto radians = base::read_quantity(amount, "rad/s");
-  if (!read.ok() && !radians.ok()) base::refuse(argument, read.problem);
-  goal.omega = read.ok() ? base::two_pi * read.value : radians.value;
-  if (!(*goal.omega > 0.0))
-    base::refuse(argument,
-                 "expected a frequency above 0 (\"5 Hz\", \"x=5 Hz\") or a largest drop (\"2 %\")");
-  return goal;
-}
-
 diagnosis::RemedyGoal goal_of(const Options& asked) {
   diagnosis::RemedyGoal goal;
   if (!asked.has("want")) {
@@ -169,7 +118,10 @@ diagnosis::RemedyGoal goal_of(const Options& asked) {
     return goal;
   }
   const py::object given = asked["want"];
-  if (py::isinstance<py::str>(given)) return goal_of_text(text_of(given, "want"));
+  if (py::isinstance<py::str>(given)) {
+    const auto text = text_of(given, "want");
+    return tasks::read_goal(text, "want=" + text);
+  }
   const double frequency = quantity(given, "Hz", "want");
   if (!(frequency >= 1.0))
     base::refuse("want=" + digits_of(frequency),

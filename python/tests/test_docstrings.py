@@ -117,7 +117,7 @@ def test_every_task_of_the_headers_is_there():
     parts = {"tasks::pose_of", "tasks::displacement_of", "tasks::model_of", "tasks::limits_of",  # of read_machine, rig
              "tasks::add_pose", "tasks::modes_without_overrides", "tasks::command_response", "tasks::export_files",
              "tasks::shared_responses", "tasks::observed_in", "tasks::summary_of", "tasks::is_mode_list",
-             "tasks::stated_pose", "tasks::read_measured", "tasks::identified_mode",
+             "tasks::stated_pose", "tasks::read_measured", "tasks::identified_mode", "tasks::read_goal",
              "tasks::check_run", "tasks::study_effort", "tasks::run_study", "tasks::study_row",
              "tasks::run_design", "tasks::refine_grid"}
     there = set()

@@ -110,6 +110,19 @@ bool is_one_of(std::span<const std::string_view> words, const std::string& name)
 }
 
 bool is_time_variable(const std::string& name) { return is_one_of(time_words, name); }
+bool are_times(const Variable& v) {
+  return v.kind == VariableKind::numbers && is_time_variable(v.name) &&
+         std::min(v.fast, v.slow) == 1 && std::max(v.fast, v.slow) > 1;
+}
+
+bool read_list(VariableFile& file, std::size_t variable, std::uint64_t first,
+               std::span<double> out) {
+  const bool lies = file.variables()[variable].slow == 1;
+  const std::uint64_t n = out.size();
+  return file.read(variable, lies ? 0 : first, lies ? 1 : n, lies ? first : 0, lies ? n : 1,
+                   out.data());
+}
+
 bool is_start_name(const std::string& name) { return is_one_of(start_words, name); }
 
 std::vector<RateVariable> rates_beside(const std::vector<Variable>& variables,
@@ -177,22 +190,13 @@ std::string_view part_of(const Variable& v) {
 std::vector<double> ends_of(VariableFile& file, std::size_t variable) {
   constexpr std::uint64_t most = 1024;
   const Variable& v = file.variables()[variable];
-  const bool lies = v.slow == 1;
   const std::uint64_t length = std::max(v.fast, v.slow), n = std::min(most, length);
   std::vector<double> ends(2 * n);
-  for (const bool last : {false, true}) {
-    const std::uint64_t from = last ? length - n : 0;
-    if (!file.read(variable, lies ? 0 : from, lies ? 1 : n, lies ? from : 0, lies ? n : 1,
-                   ends.data() + (last ? n : 0)))
-      return {};
-  }
+  if (!read_list(file, variable, 0, std::span(ends).first(n)) ||
+      !read_list(file, variable, length - n, std::span(ends).last(n)))
+    return {};
   for (double& time : ends) time *= seconds_of(v.unit).value_or(1.0);
   return ends;
-}
-
-bool are_times(const Variable& v) {
-  return v.kind == VariableKind::numbers && is_time_variable(v.name) &&
-         std::min(v.fast, v.slow) == 1 && std::max(v.fast, v.slow) > 1;
 }
 
 /// Numbers of times have many digits, but not all.

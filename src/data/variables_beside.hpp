@@ -16,6 +16,11 @@ namespace hydrapod::data {
 bool is_one_of(std::span<const std::string_view> words, const std::string& name);
 
 bool is_time_variable(const std::string& name);
+/// Of numbers in one dimension, more than one, with such a name.
+bool are_times(const Variable& variable);
+/// Numbers of a list from `first` on. False when the file is damaged there.
+bool read_list(VariableFile& file, std::size_t variable, std::uint64_t first,
+               std::span<double> out);
 /// Of a number that is the time of the first sample.
 bool is_start_name(const std::string& name);
 

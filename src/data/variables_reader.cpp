@@ -250,9 +250,7 @@ class VariablesReader final : public RecordReader {
   void read_foreign(const ReadOptions& options) {
     const Variable* times = nullptr;
     for (const Variable& v : all())
-      if (times == nullptr && v.kind == VariableKind::numbers && is_time_variable(v.name) &&
-          std::min(v.fast, v.slow) == 1 && std::max(v.fast, v.slow) > 1)
-        times = &v;
+      if (times == nullptr && are_times(v)) times = &v;
     length_ = common_length(times);
     for (std::size_t i = 0; i < all().size(); ++i) take_variable(i, times);
     if (sources_.empty())
@@ -447,14 +445,11 @@ class VariablesReader final : public RecordReader {
 
   /// Times from `first` on, in seconds; those of a calendar since the first one.
   bool read_times(std::uint64_t first, std::vector<double>& out) {
-    const bool lies = all()[times_].slow == 1;
-    const std::uint64_t n = out.size();
-    if (!file_->read(times_, lies ? 0 : first, lies ? 1 : n, lies ? first : 0, lies ? n : 1,
-                     out.data())) {
+    if (!read_list(*file_, times_, first, out)) {
       notes_.add("the times cannot be read");
       return false;
     }
-    if (first == 0 && n > 0 && std::isfinite(out[0])) {
+    if (first == 0 && !out.empty() && std::isfinite(out[0])) {
       constexpr double years = 1e8;  // [s]
       time_origin_ = std::abs(out[0]) * time_factor_ > years ? out[0] : 0.0;
     }

@@ -76,7 +76,8 @@ class ColumnSets {
     sets_.emplace_back(H5Dcreate2(group_.id(), column.name.c_str(), H5T_IEEE_F64LE, space.id(),
                                   H5P_DEFAULT, list.id(), H5P_DEFAULT),
                        H5Dclose);
-    good_ = good_ && sets_.back().ok() && write_text_attribute(sets_.back().id(), "unit", column.unit) &&
+    good_ = good_ && sets_.back().ok() &&
+            write_text_attribute(sets_.back().id(), "unit", column.unit) &&
             write_text_attribute(sets_.back().id(), "description", column.description);
   }
 

@@ -18,7 +18,7 @@ using namespace diagnosis;
 
 using base::two_pi;
 constexpr double notable_drop = 0.01;
-constexpr const char* interrupted = "Interrupted: not all that follows from it was computed.";
+constexpr const char* interrupted = "Interrupted before all results were computed.";
 
 std::string frequency_text(double omega) {
   return fmt::format("{:.{}f} Hz", omega / two_pi, omega < 10.0 * two_pi ? 2 : 1);

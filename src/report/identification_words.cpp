@@ -444,7 +444,7 @@ std::string warning_text(const identification::ModeWarning& w) {
           "{} of {} modes stand in pairs, as at {:.5g} Hz and {:.5g} Hz: the lower one of each "
           "pair "
           "moves {} and the higher one the rest: these outputs were measured while the machine had "
-          "other frequencies, and it has half as many modes",
+          "other frequencies, and each pair is one mode",
           w.count, w.total, w.from, w.to,
           w.value > 1.0 ? fmt::format("{} and {:.0f} other output{}", w.output, w.value - 1.0,
                                       w.value > 2.0 ? "s" : "")

@@ -148,6 +148,8 @@ struct Said {
   std::string_view what{}, of{};
 };
 
+constexpr std::array<std::string_view, 3> groups{"frequencies", "modes", "drops"};
+
 Said said_by(std::string_view column) {
   if (column == "direction") return {column, "lowest"};
   if (column == "lowest" || spatial::direction_from_name(column)) return {"frequency", column};
@@ -180,8 +182,7 @@ std::vector<std::string> columns_of_word(const std::vector<Column>& columns,
   for (const auto& column : columns)
     if (belongs_to(column.name, word)) names.push_back(column.name);
   // what is only said beside a word does not make it one
-  const bool is_group = word == "frequencies" || word == "modes" || word == "drops";
-  if (!is_group && std::ranges::count(names, word) == 0) names.clear();
+  if (std::ranges::count(groups, word) + std::ranges::count(names, word) == 0) names.clear();
   return names;
 }
 

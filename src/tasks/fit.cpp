@@ -1,12 +1,16 @@
 #include "hydrapod/tasks/measurement.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <utility>
 
 #include "hydrapod/base/error.hpp"
+#include "hydrapod/base/text.hpp"
+#include "hydrapod/base/units.hpp"
+#include "hydrapod/spatial/pose.hpp"
 #include "measured_files.hpp"
 
 namespace hydrapod::tasks {
@@ -186,6 +190,61 @@ int identified_mode(const diagnosis::Diagnosis& found, const std::string& pose) 
     number = fit.targets[i].mode + 1;
   }
   return number;
+}
+
+namespace {
+
+/// What stands before "=", ">=" or "<="; none: the lowest mode, or the drop of any.
+std::optional<int> direction_of_goal(std::string_view word, bool compares, bool drop,
+                                     const std::string& argument) {
+  if (word == (drop ? "lowest" : "drop"))
+    base::refuse(argument,
+                 "a drop is wanted in % (\"drop <= 2 %\"), a lowest frequency in Hz (\"lowest >= 5 "
+                 "Hz\")");
+  if (compares && (word == "lowest" || word == "drop")) return {};
+  if (const auto direction = spatial::direction_from_name(word)) return direction;
+  const std::vector<std::string_view> known(spatial::direction_names.begin(),
+                                            spatial::direction_names.end());
+  const auto near = base::nearest(word, known);
+  base::refuse(
+      fmt::format("{} {}", argument, base::printable(word)),
+      fmt::format("unknown value; {}accepted are {}",
+                  near ? fmt::format("did you mean '{}'? ", *near) : "", fmt::join(known, ", ")));
+}
+
+}  // namespace
+
+diagnosis::RemedyGoal read_goal(std::string_view text, const std::string& argument) {
+  diagnosis::RemedyGoal goal;
+  std::string_view amount = base::trimmed(text);
+  const bool drop = amount.ends_with('%');
+  if (const auto equals = amount.find('='); equals != std::string_view::npos) {
+    const char before = equals > 0 ? amount[equals - 1] : ' ';
+    const bool compares = before == '<' || before == '>';
+    if (compares && (before == '<') != drop)
+      base::refuse(argument,
+                   "a frequency is at least what is wanted (\"x >= 5 Hz\") and a drop at most "
+                   "(\"x <= 2 %\")");
+    goal.direction = direction_of_goal(base::trimmed(amount.substr(0, equals - (compares ? 1 : 0))),
+                                       compares, drop, argument);
+    amount = base::trimmed(amount.substr(equals + 1));
+  }
+  if (amount.starts_with("drop")) amount = base::trimmed(amount.substr(4));
+  const auto read =
+      drop ? base::read_quantity(amount, "1") : base::read_plain_or_quantity(amount, "Hz");
+  const auto radians = base::read_quantity(amount, "rad/s");
+  if (!read.ok() && (drop || !radians.ok())) base::refuse(argument, read.problem);
+  if (drop && !(read.value > 0.0 && read.value < 1.0))
+    base::refuse(argument, "expected a drop above 0 % and below 100 %, such as \"2 %\"");
+  if (drop) {
+    goal.drop = read.value;
+    return goal;
+  }
+  goal.omega = read.ok() ? base::two_pi * read.value : radians.value;
+  if (!(*goal.omega > 0.0))
+    base::refuse(argument,
+                 "expected a frequency above 0 (\"5 Hz\", \"x=5 Hz\") or a largest drop (\"2 %\")");
+  return goal;
 }
 
 }  // namespace hydrapod::tasks

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <numbers>
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/text.hpp"
@@ -212,13 +211,26 @@ std::optional<double> window_taken_out(const data::FrequencyResponses& responses
   return said->value;
 }
 
-/// Of noise times e^(−at), lines d·Δf apart: ∫ e^(−2at) e^(−2πi d Δf t) dt by ∫ e^(−2at) dt.
-std::vector<std::complex<double>> covariance_under_window(double a, double step) {
+/// E[e_k e*_{k+d}] of noise times e^(−at), by E|e_k|²: the transform of e^(−2at) at d·Δω.
+std::complex<double> covariance_under(double a, double turn) {
+  return 2.0 * a / std::complex(2.0 * a, -turn);
+}
+
+/// What a window e^(−t/τ) makes of it, where samples were multiplied by e^(−at) already (a = 0:
+/// they were not, and errors of lines are independent).
+void cover_window(double a, double window, data::FrequencyResponses& r) {
+  constexpr std::size_t most = 100;
   constexpr double least = 0.2;
-  std::vector<std::complex<double>> covariance{1.0};
-  for (int d = 1; d < 1000 && std::abs(covariance.back()) > least; ++d)
-    covariance.push_back(1.0 / std::complex(1.0, std::numbers::pi * d * step / a));
-  return covariance;
+  auto& covariance = r.line_covariance;
+  const bool known = covariance.size() > 1;
+  for (std::size_t d = 1; d < std::min(known ? covariance.size() : most, r.lines()); ++d) {
+    const double turn = base::two_pi * (r.frequency[d] - r.frequency[0]);
+    const auto with = covariance_under(a + 1.0 / window, turn);
+    if (known)
+      covariance[d] *= with / (a > 0.0 ? covariance_under(a, turn) : 1.0);
+    else if (std::abs(with) > least)
+      covariance.push_back(with);
+  }
 }
 
 /// What samples times e^(−at) show is H(a + iω).
@@ -245,10 +257,8 @@ void take_out_window(const MeasureOptions& options, Measured& measured) {
                                     "test: only responses and records of hits are corrected",
                                     options.files.front()));
   auto& responses = m.responses;
+  cover_window(responses.shift, *window, responses);
   responses.shift += 1.0 / *window;
-  if (responses.lines() > 1)
-    responses.line_covariance =
-        covariance_under_window(responses.shift, responses.frequency[1] - responses.frequency[0]);
   responses.on_axis.clear();
   const data::ResponseWarning warning{.kind = data::ResponseWarning::Kind::exponential_window,
                                       .value = *window,

@@ -101,23 +101,47 @@ TEST(ExponentialWindow, IsReadFromNotesAndMeantForResponsesToo) {
   EXPECT_NEAR(nearest(found, omega).fit.damping_ratio(), 0.0113, 0.0006);
 }
 
-/// Noise under a window goes on from line to line: the sum over its samples says how far.
+/// Noise n(t) e^(−at) goes on from line to line: with e_k = Σ n w e^(−iω_k t),
+/// E[e_k e*_{k+d}] = Σ w² e^(i(ω_{k+d} − ω_k)t).
+std::vector<std::complex<double>> covariance_of_samples(double decay, double step,
+                                                        std::size_t lags) {
+  std::vector<std::complex<double>> sums(lags);
+  for (int k = 0; k < 8.0 / decay * identification::hammer_rate; ++k) {
+    const double t = k / identification::hammer_rate, w = std::exp(-decay * t);
+    for (std::size_t d = 0; d < lags; ++d)
+      sums[d] +=
+          w * w * std::polar(1.0, 2.0 * std::numbers::pi * static_cast<double>(d) * step * t);
+  }
+  const double alone = sums.front().real();
+  for (auto& sum : sums) sum /= alone;
+  return sums;
+}
+
 TEST(ExponentialWindow, CorrelatesNoiseOfLines) {
   const TemporaryFolder folder;
   data::write_record(folder / "hit.h5", windowed_hit(6, Windowed::all), data::RecordFormat::hdf5);
-  const auto r = tasks::shared_responses(
+  // an errorless file of an analyser: the window alone
+  const auto shared = tasks::shared_responses(tasks::frf({.files = {folder / "hit.h5"}}));
+  auto plain = data::brought_to_axis(shared);
+  plain.line_covariance = {1.0};
+  data::write_frequency_responses(folder / "plain.uff", plain);
+  const auto step = [](const auto& r) { return r.frequency[1] - r.frequency[0]; };
+  const auto of_file = tasks::shared_responses(
+      tasks::frf({.files = {folder / "plain.uff"}, .exponential_window = tau}));
+  ASSERT_GT(of_file.line_covariance.size(), 3U);
+  const auto expected =
+      covariance_of_samples(1.0 / tau, step(of_file), of_file.line_covariance.size());
+  // half a sample more in the sum is a/rate = 1.2e-3 of it
+  for (std::size_t d = 0; d < expected.size(); ++d)
+    EXPECT_LT(std::abs(of_file.line_covariance[d] - expected[d]), 1.3e-3) << d;
+  // samples of a hit have a decay of their own, and turn with the time of the hit
+  const auto of_record = tasks::shared_responses(
       tasks::frf({.files = {folder / "hit.h5"}, .exponential_window = tau}));
-  ASSERT_GT(r.line_covariance.size(), 5U);
-  const double step = r.frequency[1] - r.frequency[0];
-  std::vector<std::complex<double>> sums(r.line_covariance.size());
-  for (int k = 0; k < 8.0 / r.shift * identification::hammer_rate; ++k) {
-    const double t = k / identification::hammer_rate;
-    for (std::size_t d = 0; d < sums.size(); ++d)
-      sums[d] += std::exp(-2.0 * r.shift * t) *
-                 std::polar(1.0, -2.0 * std::numbers::pi * static_cast<double>(d) * step * t);
-  }
+  ASSERT_GT(of_record.line_covariance.size(), 3U);
+  const auto sums =
+      covariance_of_samples(of_record.shift, step(of_record), of_record.line_covariance.size());
   for (std::size_t d = 0; d < sums.size(); ++d)
-    EXPECT_LT(std::abs(r.line_covariance[d] - sums[d] / sums[0]), 0.01) << d;
+    EXPECT_NEAR(std::abs(of_record.line_covariance[d]), std::abs(sums[d]), 1.3e-3) << d;
 }
 
 TEST(ExponentialWindow, ThatCannotHaveBeenIsRefused) {

@@ -291,6 +291,11 @@ struct DiagnoseOptions {
   std::vector<model::NamedPose> poses{};
 };
 
+/// "2 %", "drop 2 %", "5.2 Hz", "x=5.2 Hz", "x=3 %"; and as requirements of studies are written,
+/// "x >= 5.2 Hz", "lowest >= 5.2 Hz", "drop <= 2 %". A number without a unit is a frequency [Hz].
+/// `argument` is what messages call the text. Throws base::InputError.
+diagnosis::RemedyGoal read_goal(std::string_view text, const std::string& argument);
+
 struct Diagnosed {
   Machine machine{};  ///< as given, its pose among those of its file
   diagnosis::CaseFile file{};
