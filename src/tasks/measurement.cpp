@@ -216,20 +216,22 @@ std::complex<double> covariance_under(double a, double turn) {
   return 2.0 * a / std::complex(2.0 * a, -turn);
 }
 
-/// What a window e^(−t/τ) makes of it, where samples were multiplied by e^(−at) already (a = 0:
-/// they were not, and errors of lines are independent).
-void cover_window(double a, double window, data::FrequencyResponses& r) {
+/// The same of lines whose samples were multiplied by e^(−from·t), and now are by e^(−to·t).
+/// Without a decay errors of lines are independent.
+void change_decay(double from, double to, data::FrequencyResponses& r) {
   constexpr std::size_t most = 100;
   constexpr double least = 0.2;
   auto& covariance = r.line_covariance;
+  if (!(to > 0.0)) covariance = {1.0};
   const bool known = covariance.size() > 1;
-  for (std::size_t d = 1; d < std::min(known ? covariance.size() : most, r.lines()); ++d) {
+  for (std::size_t d = 1; to > 0.0 && d < std::min(known ? covariance.size() : most, r.lines());
+       ++d) {
     const double turn = base::two_pi * (r.frequency[d] - r.frequency[0]);
-    const auto with = covariance_under(a + 1.0 / window, turn);
+    const auto now = covariance_under(to, turn);
     if (known)
-      covariance[d] *= with / (a > 0.0 ? covariance_under(a, turn) : 1.0);
-    else if (std::abs(with) > least)
-      covariance.push_back(with);
+      covariance[d] *= now / (from > 0.0 ? covariance_under(from, turn) : 1.0);
+    else if (std::abs(now) > least)
+      covariance.push_back(now);
   }
 }
 
@@ -257,7 +259,7 @@ void take_out_window(const MeasureOptions& options, Measured& measured) {
                                     "test: only responses and records of hits are corrected",
                                     options.files.front()));
   auto& responses = m.responses;
-  cover_window(responses.shift, *window, responses);
+  change_decay(responses.shift, responses.shift + 1.0 / *window, responses);
   responses.shift += 1.0 / *window;
   responses.on_axis.clear();
   const data::ResponseWarning warning{.kind = data::ResponseWarning::Kind::exponential_window,
@@ -275,6 +277,7 @@ void check_window(const IdentifyOptions& options, const Measured& measured) {
   auto as_recorded = measured.responses();
   as_recorded.shift -= 1.0 / *window;
   if (as_recorded.shift < 1e-9 / *window) as_recorded.shift = 0.0;
+  change_decay(measured.responses().shift, as_recorded.shift, as_recorded);
   auto modes = options.modes;
   modes.fit.deviations = identification::Deviations::poles;
   double longest = 0.0, frequency = 0.0;

@@ -154,6 +154,18 @@ TEST(ExponentialWindow, ThatCannotHaveBeenIsRefused) {
   } catch (const base::InputError& error) {
     EXPECT_THAT(error.what(), ::testing::HasSubstr("the window was longer, or there was none"));
   }
+  // nor of responses: one mode that decays with 0.43 1/s, a window of 0.4 s
+  data::FrequencyResponses plain;
+  plain.inputs = {{.name = "u", .unit = "N", .role = data::Role::excitation}};
+  plain.outputs = {{.name = "y1", .unit = "m", .role = data::Role::response},
+                   {.name = "y2", .unit = "m", .role = data::Role::response}};
+  const auto beam = ModalSystem{{real_mode(6.3, 0.011, Eigen::Vector2d(0.9, -0.7))}};
+  for (double f = 2.0; f < 30.0; f += 0.05) {
+    plain.frequency.push_back(f);
+    plain.H.push_back(beam.response(f).leftCols(1));
+  }
+  data::write_frequency_responses(folder / "bare.csv", plain);
+  EXPECT_THROW(identified(folder / "bare.csv", 0.4), base::InputError);
   // noise all the time is no hammer test
   const auto noise = record_of(chain(2, 1.3, 4100.0, 0.02), {.seed = 9});
   data::write_record(folder / "noise.h5", noise, data::RecordFormat::hdf5);
