@@ -49,8 +49,9 @@ identification::MeasureOptions estimate_options(const MeasurementArguments& a) {
   if (a.from_excitation) o.input_role = data::Role::excitation;
   const auto estimator = choose_word("--estimator", a.estimator, {"auto", "h1", "h2", "hv", "iv"});
   if (estimator > 0) o.estimator = static_cast<identification::Estimator>(estimator - 1);
-  o.window = static_cast<identification::Window>(choose_word(
-      "--window", a.window, {"hann", "rectangular", "hamming", "blackman-harris", "flat-top"}));
+  o.window = static_cast<identification::Window>(
+      choose_word("--window", a.window,
+                  {"hann", "rectangular", "hamming", "blackman-harris", "flat-top", "blackman"}));
   if (a.block && (*a.block < 16 || *a.block % 2 != 0))
     base::refuse(fmt::format("--block {}", *a.block),
                  "a block has an even number of samples, at least 16");
@@ -101,7 +102,7 @@ void add_measurement_options(Command command, MeasurementArguments& a) {
         "Modes of a short record with inputs, no hits, from the whole record at once, or an error "
         "where that cannot be; default: where it can, else from averages of blocks"},
        {"--overlap", a.overlap, "Overlap of blocks in per cent; default: 50"},
-       {"--window", a.window, "hann, rectangular, hamming, blackman-harris or flat-top"},
+       {"--window", a.window, "hann, rectangular, hamming, blackman-harris, flat-top or blackman"},
        {"--period", a.period,
         "Period of the excitation, s or with a unit; 0: none; default: detected"},
        {"--exponential-window", a.exponential_window,

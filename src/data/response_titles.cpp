@@ -122,6 +122,8 @@ TableColumn table_column(const base::TableCell& cell) {
   take_unit(column);
   column.circular = names_omega(column.name);
   column.part = take_part(column.name);
+  column.name = std::string(base::trimmed(column.name));
+  if (column.unit.empty() && column.name.ends_with(']')) take_unit(column);  // "d1 [m/N] re"
   column.name = bare_name(column.name);
   const std::string lower = base::lower_case(column.name);
   for (const std::string_view unit : {"degrees", "deg", "rad"})  // "phase_deg"

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <utility>
 
+#include "excitation_ends.hpp"
 #include "harmonics.hpp"
 #include "held_values.hpp"
 #include "hydrapod/identification/identify.hpp"
@@ -136,6 +137,18 @@ VectorXd squared_cosine(Index L) {
   return turn.cos().square();
 }
 
+void warn_of_ends(const ExcitationEnds& ends, double spacing, FrequencyResponses& all) {
+  const double step = std::max(std::abs(ends.lower_step), std::abs(ends.upper_step));
+  if (step == 0.0) return;
+  const double decibels = 10.0 / std::numbers::ln10;
+  all.warnings.push_back(
+      {.kind = data::ResponseWarning::Kind::excited_band,
+       .value = decibels * step,
+       .lowest = ends.lower_step != 0.0 ? static_cast<double>(ends.first) * spacing : 0.0,
+       .highest = ends.upper_step != 0.0 ? static_cast<double>(ends.last) * spacing : 0.0,
+       .estimator = Estimator::half_spectra});
+}
+
 /// Outputs, averages and warnings, without lines and inputs; and the outputs that live.
 std::pair<FrequencyResponses, std::vector<int>> channels_of(const CrossSpectra& spectra,
                                                             const std::vector<int>& outputs) {
@@ -187,6 +200,9 @@ FrequencyResponses half_spectra(const CrossSpectra& spectra, const std::vector<i
   all.harmonics = find_harmonics(spectra, living);
   leave_out_harmonics(all.harmonics, spectra.frequency(1), S);
   for (const auto& tone : options.wandering) leave_out_wandering(spectra, living, tone, S, all);
+  const auto ends = excitation_ends(S);
+  continue_beyond(ends, S);
+  warn_of_ends(ends, spectra.frequency(1), all);
   const auto references = choose_references(S, options.most_references);
   for (const int i : references) all.inputs.push_back(all.outputs[static_cast<std::size_t>(i)]);
   const VectorXd window = lag_taper(spectra.window);
@@ -200,8 +216,10 @@ FrequencyResponses half_spectra(const CrossSpectra& spectra, const std::vector<i
     all.frequency.push_back(static_cast<double>(k) * spectra.sample_rate / static_cast<double>(L));
   all.whole = std::make_shared<data::OutputSpectra>(data::OutputSpectra{
       .S = std::move(S), .samples = samples, .averages = all.averages, .references = references});
-  const auto first = static_cast<double>(spectra.statistics.line_covariance.size());
-  return within(all, first * spectra.frequency(1), options.below_nyquist * spectra.sample_rate);
+  const auto first = std::max(ends.first, std::ssize(spectra.statistics.line_covariance));
+  return within(all, static_cast<double>(first) * spectra.frequency(1),
+                std::min(options.below_nyquist * spectra.sample_rate,
+                         static_cast<double>(ends.last) * spectra.frequency(1)));
 }
 
 }  // namespace hydrapod::identification

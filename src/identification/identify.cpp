@@ -9,6 +9,7 @@
 
 #include "assumed_errors.hpp"
 #include "beside_open.hpp"
+#include "combination_tones.hpp"
 #include "common_poles.hpp"
 #include "conjugated.hpp"
 #include "fit_covariance.hpp"
@@ -356,6 +357,7 @@ Identification identify_modes(const FrequencyResponses& all, const IdentifyOptio
   warn_of_twins(asked, result);
   if (!given.whole) find_common_poles(result);
   warn_of_set_ups(result);
+  warn_of_combination_tones(result);
   if (!given.has_errors()) remove_errors(result.responses);
   return result;
 }

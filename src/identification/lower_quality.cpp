@@ -75,6 +75,7 @@ void lower_quality(const FrequencyResponses& responses, Identification& result,
     if (warning.kind == Kind::wandering_tone) lower_where_left_out(warning, result);
     if (warning.kind == Kind::rings) limit_all(options.ringing, result);
     if (warning.kind == Kind::cut_sweep) limit_all(options.cut_sweep, result);
+    if (warning.kind == Kind::run_up) limit_all(options.run_up, result);
     // a resonance in blocks that hold a jump is wider than it is
     if (warning.kind == Kind::lost_rows && warning.total == 0)
       limit_all(1.0 - warning.share, result);

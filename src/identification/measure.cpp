@@ -23,6 +23,7 @@
 #include "reading.hpp"
 #include "response_checks.hpp"
 #include "roving.hpp"
+#include "run_up.hpp"
 #include "short_record.hpp"
 #include "spikes.hpp"
 #include "tones.hpp"
@@ -176,6 +177,13 @@ Attempt outputs_without(const Faults& faults, data::RecordSet& records,
   if (!m.interrupted)
     half.wandering = find_wandering_tones(records, reading.used, reading.settling, m.spectra,
                                           plan.choice.outputs);
+  if (!m.interrupted)
+    if (const auto passed =
+            find_run_up(records, reading.used, reading.settling, m.spectra, plan.choice.outputs))
+      m.responses.warnings.push_back({.kind = data::ResponseWarning::Kind::run_up,
+                                      .share = passed->brevity,
+                                      .lowest = passed->lowest,
+                                      .highest = passed->highest});
   bring_outputs_to_platform(options, plan.choice, m);
   const auto earlier = std::move(m.responses.warnings);
   m.responses = half_spectra(m.spectra, plan.choice.outputs, half);

@@ -254,6 +254,23 @@ LineQuality quality_of(const CrossSpectra& spectra, Index line, const ChannelCho
   return quality;
 }
 
+namespace {
+
+/// Where all inputs are excited: elsewhere their matrix is rounding. Everywhere, if they nowhere
+/// are.
+double median_condition(const FrequencyResponses& r, const ResponseCheckOptions& options) {
+  if (r.input_density.size() != r.lines()) return numerics::upper_median(r.condition);
+  VectorXd most = VectorXd::Zero(std::ssize(r.inputs));
+  for (std::size_t k = 0; k < r.lines(); ++k) most = most.cwiseMax(r.input_density[k]);
+  std::vector<double> excited;
+  for (std::size_t k = 0; k < r.lines(); ++k)
+    if ((r.input_density[k].array() > options.excited * most.array()).all())
+      excited.push_back(r.condition[k]);
+  return numerics::upper_median(excited.empty() ? r.condition : excited);
+}
+
+}  // namespace
+
 void finish_checks(const CrossSpectra& spectra, const ChannelChoice& choice,
                    FrequencyResponses& responses, const ResponseCheckOptions& options) {
   if (responses.lines() == 0) {
@@ -263,7 +280,7 @@ void finish_checks(const CrossSpectra& spectra, const ChannelChoice& choice,
                   "others): leave inputs out, or excite them independently"
                 : fmt::format("input {} has no excitation", name(spectra, choice.inputs[0])));
   }
-  const double median = numerics::upper_median(responses.condition);
+  const double median = median_condition(responses, options);
   // independent inputs: the spread of the eigenvalues of a sample covariance (Marchenko, Pastur)
   const double spread = std::sqrt(static_cast<double>(choice.inputs.size()) / responses.averages);
   const double chance = spread < 1.0 ? std::pow((1.0 + spread) / (1.0 - spread), 2) : INFINITY;

@@ -13,6 +13,8 @@ struct ResponseCheckOptions {
   /// Inputs are correlated where the median condition > correlated · what chance gives independent
   /// ones: then intervals are wider than independent inputs would make them.
   double correlated{3.0};
+  /// … over the lines at which each input has more than this share of its largest density.
+  double excited{1e-4};
   /// A channel is clipped where few_at_limit or more samples, and a share > rare_at_limit, stand at
   /// its limit: fewer may be chance, but in flat tops. A signal with two_levels or more there is
   /// meant so.

@@ -264,10 +264,11 @@ std::vector<WanderingTone> tones_at(data::RecordSet& records, const ToneReading&
   return tones;
 }
 
-/// Outputs that together see what all see, as they are read; none: all are dead.
-ToneReading reading_of(const std::vector<std::size_t>& used, std::int64_t settling,
-                       const CrossSpectra& spectra, const std::vector<int>& outputs,
-                       const WanderingToneOptions& options) {
+}  // namespace
+
+ToneReading outputs_that_see_all(const std::vector<std::size_t>& used, std::int64_t settling,
+                                 const CrossSpectra& spectra, const std::vector<int>& outputs,
+                                 std::size_t most) {
   ToneReading looked{.settling = settling};
   std::vector<int> living;
   for (const int o : outputs)
@@ -277,19 +278,17 @@ ToneReading reading_of(const std::vector<std::size_t>& used, std::int64_t settli
   constexpr Index enough = 1024;  // lines
   for (Index k = 1; k < spectra.lines(); k += std::max<Index>(1, spectra.lines() / enough))
     S.emplace_back(spectra.at(k)(living, living));
-  for (const int o : choose_references(S, static_cast<Index>(options.most_outputs)))
+  for (const int o : choose_references(S, static_cast<Index>(most)))
     looked.channels.push_back(used[static_cast<std::size_t>(living[static_cast<std::size_t>(o)])]);
   return looked;
 }
-
-}  // namespace
 
 std::vector<WanderingTone> find_wandering_tones(data::RecordSet& records,
                                                 const std::vector<std::size_t>& used,
                                                 std::int64_t settling, const CrossSpectra& spectra,
                                                 const std::vector<int>& outputs,
                                                 const WanderingToneOptions& options) {
-  const auto reading = reading_of(used, settling, spectra, outputs, options);
+  const auto reading = outputs_that_see_all(used, settling, spectra, outputs, options.most_outputs);
   if (reading.channels.empty()) return {};
   const auto list = all_line_moments(records, reading, options);
   double asked = 1.0;

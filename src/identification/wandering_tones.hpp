@@ -48,6 +48,11 @@ struct WanderingToneOptions {
   double outliers{0.005};
 };
 
+/// `most` outputs that together see what all see, as they are read; none: all are dead.
+ToneReading outputs_that_see_all(const std::vector<std::size_t>& used, std::int64_t settling,
+                                 const CrossSpectra& spectra, const std::vector<int>& outputs,
+                                 std::size_t most);
+
 /// From where to where a frequency wanders [Hz].
 using WanderingTone = std::array<double, 2>;
 

@@ -1,5 +1,6 @@
 #include "hydrapod/identification/responses.hpp"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
@@ -20,12 +21,23 @@ struct Shape {
 
 // Blackman-Harris: F. J. Harris, Proc. IEEE 66 (1978) 51. Flat top: G. D'Antona, A. Ferrero,
 // Digital Signal Processing for Measurement Systems (2006), as in SciPy and MATLAB.
-constexpr std::array<Shape, 5> shapes{
+constexpr std::array<Shape, 7> shapes{
     {{"hann", {0.5, 0.5, 0.0, 0.0, 0.0}},
      {"rectangular", {1.0, 0.0, 0.0, 0.0, 0.0}},
      {"hamming", {0.54, 0.46, 0.0, 0.0, 0.0}},
      {"blackman-harris", {0.35875, 0.48829, 0.14128, 0.01168, 0.0}},
-     {"flat-top", {0.21557895, 0.41663158, 0.277263158, 0.083578947, 0.006947368}}}};
+     {"flat-top", {0.21557895, 0.41663158, 0.277263158, 0.083578947, 0.006947368}},
+     {"blackman", {0.42, 0.5, 0.08, 0.0, 0.0}},
+     {"tukey", {}}}};
+
+/// Flanks of a quarter of the length, as half as long a Hann window has them.
+VectorXd tukey_samples(int length) {
+  VectorXd w(length);
+  for (int t = 0; t < length; ++t)
+    w[t] = 0.5 -
+           0.5 * std::cos(two_pi * std::min({2.0 * t, 0.5 * length, 2.0 * (length - t)}) / length);
+  return w;
+}
 
 }  // namespace
 
@@ -38,6 +50,7 @@ std::optional<Window> window_from_text(std::string_view text) {
 }
 
 VectorXd window_samples(Window window, int length) {
+  if (window == Window::tukey) return tukey_samples(length);
   const auto& a = shapes[static_cast<size_t>(window)].a;
   VectorXd w(length);
   for (int t = 0; t < length; ++t) {

@@ -33,8 +33,9 @@ void try_windows(const FrequencyResponses& given, const IdentifyOptions& options
   constexpr double beyond_doubt = 50.0, alike = 1.5;
   const double plain_error = result.model.error;
   bool clean = false;  // with the window noise alone is left
-  for (const auto window : {Window::hann, Window::rectangular, Window::hamming,
-                            Window::blackman_harris, Window::flat_top}) {
+  for (const auto window :
+       {Window::hann, Window::rectangular, Window::hamming, Window::blackman_harris,
+        Window::flat_top, Window::blackman, Window::tukey}) {
     try {
       auto other = identified(with_window(given, window, options.window), options, watched);
       if (other.modes.empty()) continue;

@@ -115,10 +115,10 @@ void describe(Fields& f, identification::LeftOut& left) {
 
 template <class Fields>
 void describe(Fields& f, identification::ModeWarning& warning) {
-  static constexpr std::array kinds{"no_mode", "few_samples",  "misfit",      "unexplained",
-                                    "wanders", "short_blocks", "peaks_above", "conjugated",
-                                    "window",  "twins",        "moved",       "common_poles",
-                                    "set_ups"};
+  static constexpr std::array kinds{
+      "no_mode",      "few_samples",  "misfit",     "unexplained",      "wanders",
+      "short_blocks", "peaks_above",  "conjugated", "window",           "twins",
+      "moved",        "common_poles", "set_ups",    "combination_tones"};
   f.word("kind", warning.kind, kinds);
   f("value", warning.value);
   f("from_hz", warning.from);

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "two_digits.hpp"
+
 namespace hydrapod::report {
 
 const char* words(identification::Objection reason) {
@@ -25,16 +27,12 @@ const char* words(identification::PoleStability stability) {
   return all[static_cast<std::size_t>(stability)];
 }
 
-namespace {
-
-/// Windows that are named after somebody have a capital letter.
-std::string window_words(const std::string& name) {
-  if (name == "rectangular") return "without a window";
-  if (name == "hann") return "with a Hann window";
-  if (name == "hamming") return "with a Hamming window";
-  if (name == "blackman-harris") return "with a Blackman-Harris window";
-  return fmt::format("with a {} window", name);
+std::string two_digits(double share) {
+  const double percent = 100.0 * share;
+  return std::abs(percent) < 99.5 ? fmt::format("{:.2g}", percent) : fmt::format("{:.0f}", percent);
 }
+
+namespace {
 
 std::string motion_text(const identification::IdentifiedMode& mode, const Eigen::VectorXd& size,
                         const std::vector<data::Channel>& outputs) {
@@ -62,12 +60,6 @@ std::string limit_text(double limit, const data::ResponseWarning& w) {
       std::max(std::abs(w.lowest), std::abs(w.highest)) / std::abs(w.highest - w.lowest);
   const double more = std::isfinite(ratio) ? std::ceil(std::log10(std::max(ratio, 1.0))) : 0.0;
   return fmt::format("{:.{}g}", limit, std::min(4 + static_cast<int>(more), 17));
-}
-
-/// A share in per cent, which two digits would show as 1e+02 from 99.5 on.
-std::string two_digits(double share) {
-  const double percent = 100.0 * share;
-  return std::abs(percent) < 99.5 ? fmt::format("{:.2g}", percent) : fmt::format("{:.0f}", percent);
 }
 
 std::string missing_samples_text(const data::ResponseWarning& w) {
@@ -195,6 +187,30 @@ std::string changed_text(const data::ResponseWarning& w) {
                               : "its part of the shapes is wrong");
 }
 
+std::string excited_text(const data::ResponseWarning& w) {
+  if (w.estimator == data::Estimator::half_spectra) {
+    const bool both = w.lowest > 0.0 && w.highest > 0.0;
+    const std::string where = both ? fmt::format("{:.4g} Hz and {:.4g} Hz", w.lowest, w.highest)
+                              : w.lowest > 0.0 ? fmt::format("{:.4g} Hz", w.lowest)
+                                               : fmt::format("{:.4g} Hz", w.highest);
+    return fmt::format(
+        "what excites the outputs ends sharply at {}, where their spectra have a step of {:.0f} "
+        "dB: "
+        "modes {} cannot be identified",
+        where, w.value,
+        both             ? "elsewhere"
+        : w.lowest > 0.0 ? "below"
+                         : "above");
+  }
+  return fmt::format(
+      "the excitation reaches the inputs only from {:.4g} Hz to {:.4g} Hz{}: modes elsewhere "
+      "cannot be identified",
+      w.lowest, w.highest,
+      w.count == 0   ? ""
+      : w.count == 1 ? ", with a gap"
+                     : fmt::format(", with {} gaps", w.count));
+}
+
 }  // namespace
 
 bool have_one_unit(const std::vector<data::Channel>& outputs) {
@@ -246,13 +262,7 @@ std::string warning_text(const data::ResponseWarning& w) {
           "(median), outside its 95 % band at {:.0f} % of the lines; take --estimator iv",
           data::estimator_text(w.estimator), two_digits(w.value), 100.0 * w.share);
     case Kind::excited_band:
-      return fmt::format(
-          "the excitation reaches the inputs only from {:.4g} Hz to {:.4g} Hz{}: modes elsewhere "
-          "cannot be identified",
-          w.lowest, w.highest,
-          w.count == 0   ? ""
-          : w.count == 1 ? ", with a gap"
-                         : fmt::format(", with {} gaps", w.count));
+      return excited_text(w);
     case Kind::interrupted:
       return fmt::format("interrupted: the result uses the first {} samples", w.count);
     case Kind::lines_not_finite:
@@ -368,100 +378,13 @@ std::string warning_text(const data::ResponseWarning& w) {
               ? "sweep more slowly, and"
               : "identify takes the record itself in one piece, or",
           w.total);
-  }
-  return {};
-}
-
-std::string warning_text(const identification::ModeWarning& w) {
-  using Kind = identification::ModeWarning::Kind;
-  switch (w.kind) {
-    case Kind::no_mode:
-      return fmt::format("no mode from {:.4g} Hz to {:.4g} Hz: there is no stable pole", w.from,
-                         w.to);
-    case Kind::few_samples:
+    case Kind::run_up:
       return fmt::format(
-          "the highest mode has {:.1f} samples per period: the modal model does not include "
-          "aliasing, and with little noise the intervals are too narrow; use a higher sample "
-          "rate{}",
-          w.value,
-          w.to > 0.0 ? fmt::format("; it may be the image of a mode at {:.4g} Hz where no "
-                                   "anti-alias filter was used",
-                                   w.to)
-                     : "");
-    case Kind::misfit:
-      return fmt::format(
-          "the modal model misses the responses by {:.1f} times their noise (mean square): a mode "
-          "may be missing, the machine may not be linear, or the inputs may follow the outputs in "
-          "a loop; the intervals are widened accordingly",
-          w.value);
-    case Kind::unexplained:
-      return fmt::format(
-          "the modal model does not explain {} of {} responses; the worst is {}{} from {:.4g} "
-          "Hz to {:.4g} Hz: the residual is {:.2g} times its noise (mean square), {:.0f} % of it "
-          "goes on from line to line, and it is {} % of the response; a mode may be missing "
-          "there, and the intervals of modes there cannot be trusted",
-          w.count, w.total, w.output, w.input.empty() ? "" : " to " + w.input, w.from, w.to,
-          w.value, 100.0 * std::clamp(w.smooth, 0.0, 1.0), two_digits(std::sqrt(w.share)));
-    case Kind::wanders:
-      return fmt::format(
-          "the mode at {:.4g} Hz wanders: it is from {:.4g} Hz to {:.4g} Hz in the {} parts of the "
-          "record; {}its damping ratio is {:.0f} % {} than the mean "
-          "of the parts, and its intervals cannot be trusted",
-          w.value, w.from, w.to, w.count, w.share < 0.0 ? "" : "that widens its resonance, ",
-          100.0 * std::abs(w.share), w.share < 0.0 ? "lower" : "higher");
-    case Kind::short_blocks:
-      return fmt::format(
-          "{} of {} modes {} narrower than two lines of blocks of {:.3g} s, most of all that at "
-          "{:.4g} Hz, which is {:.2g} Hz wide: modes that are nearer to each other come out as one "
-          "with a damping ratio that is too high; take longer blocks",
-          w.count, w.total, w.count == 1 ? "is" : "are", w.value, w.from, w.to);
-    case Kind::peaks_above:
-      return fmt::format(
-          "modes were looked for from {:.4g} Hz to {:.4g} Hz, and the responses have {} above, the "
-          "largest at {:.4g} Hz: modes there may be missing; --to sets the band",
-          w.from, w.to, w.count == 1 ? "a peak" : fmt::format("{} peaks", w.count), w.value);
-    case Kind::twins:
-      return fmt::format(
-          "{} of {} modes stand beside another one with the same shape and participation, as at "
-          "{:.5g} Hz and {:.5g} Hz, {:.2g} half widths apart: one resonance may have become both, "
-          "by a window of the analyser that was not told, or because it moved during the "
-          "measurement, and damping ratios of all modes may be too high; a tuned absorber makes "
-          "such pairs too",
-          w.count, w.total, w.from, w.to, w.value);
-    case Kind::moved:
-      return fmt::format(
-          "{} of {} modes stand beside another one with the same shape and participation, as at "
-          "{:.5g} Hz and {:.5g} Hz, and the inputs do not explain {:.2g} % of the outputs' power "
-          "there: one resonance that moved during the measurement may have become both",
-          w.count, w.total, w.from, w.to, 100.0 * w.share);
-    case Kind::common_poles:
-      return fmt::format(
-          "{} of {} modes, from {:.4g} Hz to {:.4g} Hz, {} that all responses have in common: "
-          "those of a filter that all sensors pass and the inputs do not, and no modes",
-          w.count, w.total, w.from, w.to, w.count == 1 ? "is a pole" : "are poles");
-    case Kind::set_ups:
-      return fmt::format(
-          "{} of {} modes stand in pairs, as at {:.5g} Hz and {:.5g} Hz: the lower one of each "
-          "pair "
-          "moves {} and the higher one the rest: these outputs were measured while the machine had "
-          "other frequencies, and each pair is one mode",
-          w.count, w.total, w.from, w.to,
-          w.value > 1.0 ? fmt::format("{} and {:.0f} other output{}", w.output, w.value - 1.0,
-                                      w.value > 2.0 ? "s" : "")
-                        : w.output + " alone");
-    case Kind::conjugated:
-      return fmt::format(
-          "the phases rise through the resonances: from {:.4g} Hz to {:.4g} Hz modes leave {} % "
-          "of the responses unexplained, and {} % of the conjugated ones; the file follows the "
-          "convention e^(−iωt), or its cross spectra are formed the other way round: change the "
-          "sign of all imaginary parts, or of all phases",
-          w.from, w.to, two_digits(w.share), two_digits(w.value));
-    case Kind::window:
-      return fmt::format(
-          "the responses are averages of blocks of {:.3g} s {}, which widens their "
-          "resonances: with this effect modes explain them far better from {:.4g} Hz to {:.4g} Hz; "
-          "the frequencies and damping ratios are those without it",
-          w.value, window_words(w.window), w.from, w.to);
+          "what excites the outputs passes from {:.3g} Hz to {:.3g} Hz or back, as in a run-up: "
+          "half of the power at a frequency comes in {:.2g} % of the record; modes from outputs "
+          "alone need noise that goes on all the time, and where a run-up begins and ends looks "
+          "like a mode",
+          w.lowest, w.highest, 100.0 * w.share);
   }
   return {};
 }

@@ -54,6 +54,14 @@ TEST_F(ResponseTable, RealAndImaginaryPartsPerPair) {
   EXPECT_EQ(all.H[1](1, 0), std::complex<double>(9.0, -10.0) * 9.80665);
 }
 
+TEST_F(ResponseTable, TheUnitMayStandBeforeThePart) {
+  const auto all = read("f [Hz],d1 [mm/N] re,d1 [mm/N] im\n1,2,3\n2,6,7\n");
+  ASSERT_EQ(all.outputs.size(), 1U);
+  EXPECT_EQ(all.outputs[0].name, "d1");
+  EXPECT_EQ(all.outputs[0].unit, "m");
+  EXPECT_EQ(all.H[1](0, 0), std::complex<double>(6.0, 7.0) * 0.001);
+}
+
 TEST_F(ResponseTable, JerkInGravitiesPerSecond) {
   const auto all = read("Frequency [Hz],re a1/F [g/s/kN],im a1/F [g/s/kN]\n1,0.5,-0.25\n2,3,4\n");
   ASSERT_EQ(all.outputs.size(), 1U);

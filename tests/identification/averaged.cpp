@@ -27,6 +27,16 @@ Eigen::VectorXd samples_of_window(const Averaged& how) {
   if (how.window == "hann")
     for (int t = 0; t < how.block; ++t)
       w[t] = std::pow(std::sin(std::numbers::pi * t / how.block), 2);
+  if (how.window == "blackman")
+    for (int t = 0; t < how.block; ++t) {
+      const double x = 2.0 * std::numbers::pi * t / how.block;
+      w[t] = 0.42 - 0.5 * std::cos(x) + 0.08 * std::cos(2.0 * x);
+    }
+  if (how.window == "tukey")  // a quarter of the block at either end
+    for (int t = 0; 4 * t < how.block; ++t) {
+      w[t] = std::pow(std::sin(2.0 * std::numbers::pi * t / how.block), 2);
+      if (t > 0) w[how.block - t] = w[t];
+    }
   if (how.window == "flat-top")
     for (int t = 0; t < how.block; ++t) {
       // D'Antona and Ferrero (2006)

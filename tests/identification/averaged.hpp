@@ -15,7 +15,8 @@ struct Averaged {
   Eigen::Index inputs{2};
   int block{2048};  ///< samples, at averaged_rate
   double blocks{73.0};
-  std::string window{"hann"};  ///< or "flat-top", by half a block apart; or "box", side by side
+  std::string window{"hann"};  ///< or "flat-top", "blackman", "tukey", half a block
+                               ///< apart; or "box", side by side
   double colour{};             ///< of the inputs: u_k = colour u_{k−1} + e_k
   double noise{0.02};          ///< of the RMS of each output
 };

@@ -9,9 +9,11 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "exact/closed_loop.hpp"
 #include "hydrapod/base/error.hpp"
+#include "hydrapod/numerics/statistics.hpp"
 #include "spectra_of.hpp"
 
 namespace hydrapod::identification {
@@ -305,6 +307,25 @@ TEST(Responses, CorrelatedInputsAreSaid) {
   const auto r =
       estimate_responses(spectra_of(record, {.block_length = 512}), from_excitation, Estimator::h1);
   EXPECT_NE(warning_of(r, Kind::correlated_inputs), nullptr);
+}
+
+/// Two sweeps up to 9 Hz, in phase and then in opposition: above, there is nothing but rounding.
+TEST(Responses, InputsAreJudgedWhereTheyExcite) {
+  constexpr Index half = 8192;
+  test::Random random(83);
+  data::Record record{.header = test::header_of(2, 1, sample_rate), .samples = {}};
+  record.samples.resize(2 * half, 3);
+  for (Index k = 0; k < 2 * half; ++k) {
+    const double t = static_cast<double>(k % half) / sample_rate, T = half / sample_rate;
+    const double s = std::sin(2.0 * std::numbers::pi * t * (1.0 + 4.0 * t / T));
+    const double u1 = 1.7 * s, u2 = k < half ? 0.9 * s : -0.9 * s;
+    record.samples.row(k) << u1, u2, u1 - 0.3 * u2 + 0.01 * test::normal(random);
+  }
+  const ChannelChoice choice{.inputs = {0, 1}, .outputs = {2}, .instruments = {}};
+  const auto r = estimate_responses(spectra_of(record, {.block_length = 512, .overlap = 0.75}),
+                                    choice, Estimator::h1);
+  EXPECT_GT(numerics::upper_median(r.condition), 1e3);
+  EXPECT_EQ(warning_of(r, Kind::correlated_inputs), nullptr);
 }
 
 TEST(Responses, TooFewAveragesAreRefused) {

@@ -36,7 +36,7 @@ TEST(Spectra, ASineHasItsPowerAndPhaseAtItsLine) {
     record.samples.row(t) << 3.0 * std::sin(angle), 2.0 * std::sin(angle - 0.7);
   }
   for (const Window window : {Window::hann, Window::rectangular, Window::hamming,
-                              Window::blackman_harris, Window::flat_top}) {
+                              Window::blackman_harris, Window::flat_top, Window::blackman}) {
     const auto s = spectra_of(record, {.block_length = n, .window = window});
     // the window's lines share the power of the sine: their sum times Δf is the mean square
     double power = 0.0;
@@ -54,12 +54,22 @@ TEST(Spectra, WindowsRiseToOneFromWhatIsPublishedOfTheirEnds) {
                                     {Window::rectangular, 1.0},
                                     {Window::hamming, 0.08},
                                     {Window::blackman_harris, 6e-5},
-                                    {Window::flat_top, -0.000421051}}) {
+                                    {Window::flat_top, -0.000421051},
+                                    {Window::blackman, 0.0},
+                                    {Window::tukey, 0.0}}) {
     const auto w = window_samples(window, 254);
     EXPECT_NEAR(w[0], end, 1e-8) << window_text(window);
     EXPECT_NEAR(w[127], 1.0, 2e-8) << window_text(window);
     EXPECT_NEAR(w[83], w[254 - 83], 1e-12) << window_text(window);
   }
+}
+
+/// α = ½: half of it is flat, and the flanks are those of a Hann window of half the length.
+TEST(Spectra, TukeysWindowIsFlatInTheMiddle) {
+  const auto w = window_samples(Window::tukey, 248), flanks = window_samples(Window::hann, 124);
+  for (int t = 0; t < 62; ++t) ASSERT_NEAR(w[t], flanks[t], 1e-15) << t;
+  for (int t = 62; t <= 186; ++t) ASSERT_EQ(w[t], 1.0) << t;
+  for (int t = 187; t < 248; ++t) ASSERT_NEAR(w[t], flanks[t - 124], 1e-15) << t;
 }
 
 TEST(Spectra, DensityOfWhiteNoiseIsTwiceItsVarianceOverTheSampleRate) {

@@ -40,7 +40,8 @@ TEST_P(OfWindow, IsThatOfItsAutocorrelation) {
 
 INSTANTIATE_TEST_SUITE_P(LagWindow, OfWindow,
                          testing::Values(Window::hann, Window::rectangular, Window::hamming,
-                                         Window::blackman_harris, Window::flat_top));
+                                         Window::blackman_harris, Window::flat_top,
+                                         Window::blackman));
 
 /// Two poles whose residues sum to zero, as those of a displacement do: the average of the
 /// acceleration is the transform of its impulse response times ρ, which begins with a pulse.

@@ -88,7 +88,8 @@ std::vector<data::ResponseWarning> response_warnings() {
            .total = 2},
           {.kind = Kind::lost_rows, .value = 12.34, .count = 10, .total = 10},
           {.kind = Kind::rings, .value = 2.239},
-          {.kind = Kind::cut_sweep, .value = 20.48, .count = 2, .total = 6}};
+          {.kind = Kind::cut_sweep, .value = 20.48, .count = 2, .total = 6},
+          {.kind = Kind::run_up, .share = 0.031, .lowest = 3.02, .highest = 38.4}};
 }
 
 std::vector<identification::ModeWarning> mode_warnings() {
@@ -141,7 +142,13 @@ std::vector<identification::ModeWarning> mode_warnings() {
            .to = 8.0004,
            .output = "y3",
            .count = 10,
-           .total = 10}};
+           .total = 10},
+          {.kind = Kind::combination_tones,
+           .value = 12.54,
+           .from = 3.81,
+           .to = 8.715,
+           .count = 4,
+           .total = 9}};
 }
 
 /// Every kind has its example, and each stands word for word in docs/howto/identify.md.
@@ -161,10 +168,30 @@ TEST(IdentificationWords, NameTheWindowThatWasTaken) {
                                     {"rectangular", "without a window"},
                                     {"hamming", "with a Hamming window"},
                                     {"blackman-harris", "with a Blackman-Harris window"},
-                                    {"flat-top", "with a flat-top window"}})
+                                    {"flat-top", "with a flat-top window"},
+                                    {"blackman", "with a Blackman window"},
+                                    {"tukey", "with a Tukey window"}})
     EXPECT_THAT(warning_text(identification::ModeWarning{
                     .kind = identification::ModeWarning::Kind::window, .window = name}),
                 HasSubstr(words));
+}
+
+TEST(IdentificationWords, SayWhereTheExcitationOfOutputsEnds) {
+  data::ResponseWarning warning{.kind = data::ResponseWarning::Kind::excited_band,
+                                .value = 23.7,
+                                .lowest = 2.013,
+                                .highest = 20.04,
+                                .estimator = data::Estimator::half_spectra};
+  EXPECT_EQ(warning_text(warning),
+            "what excites the outputs ends sharply at 2.013 Hz and 20.04 Hz, where their spectra "
+            "have a step of 24 dB: modes elsewhere cannot be identified");
+  warning.lowest = 0.0;
+  EXPECT_THAT(warning_text(warning), HasSubstr("at 20.04 Hz, where their spectra have a step of 24 "
+                                               "dB: modes above cannot"));
+  warning.lowest = 2.013;
+  warning.highest = 0.0;
+  EXPECT_THAT(warning_text(warning), HasSubstr("at 2.013 Hz, where their spectra have a step of 24 "
+                                               "dB: modes below cannot"));
 }
 
 TEST(IdentificationWords, EveryWarningHasAnExampleInTheHowTo) {

@@ -186,8 +186,10 @@ struct ResponseWarning {
                 ///< do not go on from where they were; `share` of the blocks hold one: these
                 ///< are left out (`total`: places) or were needed (0)
     rings,      ///< a loop, at `value` [Hz], for longer than a block lasts: it is nearly unstable
-    cut_sweep   ///< the excitation is a sweep; `count` blocks of `value` [s] side by side cut it
-               ///< into pieces, and `total` would do
+    cut_sweep,  ///< the excitation is a sweep; `count` blocks of `value` [s] side by side cut it
+                ///< into pieces, and `total` would do
+    run_up  ///< outputs alone: what excites passes from `lowest` to `highest` [Hz] or back; half
+            ///< of the power of a band between is there in `share` of the record (median)
   };
   Kind kind{};
   std::string channel{}, other{};
@@ -231,9 +233,10 @@ inline constexpr std::array response_warning_names{"dead_output",
                                                    "input_changed",
                                                    "lost_rows",
                                                    "rings",
-                                                   "cut_sweep"};
+                                                   "cut_sweep",
+                                                   "run_up"};
 static_assert(response_warning_names.size() ==
-              static_cast<std::size_t>(ResponseWarning::Kind::cut_sweep) + 1);
+              static_cast<std::size_t>(ResponseWarning::Kind::run_up) + 1);
 
 /// A vibration of constant amplitude, as machines that turn make it: no resonance.
 struct Harmonic {

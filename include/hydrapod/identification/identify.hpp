@@ -365,8 +365,10 @@ struct ModeWarning {
     twins,         ///< `count` of `total` modes; a pair: `from`, `to` [Hz], value half widths apart
     moved,         ///< twins that are one resonance; `share` of the outputs not explained there
     common_poles,  ///< `count` of `total` modes, `from` … `to`; value: damping of the lowest one
-    set_ups  ///< `count` of `total` modes in pairs, the first `from` and `to`; the lower one of
-             ///< a pair moves `value` outputs, `output` and others, the higher one the rest
+    set_ups,  ///< `count` of `total` modes in pairs, the first `from` and `to`; the lower one of
+              ///< a pair moves `value` outputs, `output` and others, the higher one the rest
+    combination_tones  ///< `count` of `total` modes are at ω_a ± ω_b of two others, one at value
+                       ///< [Hz] of those at `from` and `to` [Hz]
   };
   Kind kind{};
   double value{}, from{}, to{}, smooth{}, share{};

@@ -105,9 +105,10 @@
 
 namespace hydrapod::identification {
 
-enum class Window { hann, rectangular, hamming, blackman_harris, flat_top };
+/// Tukey's is tapered over half of its length, as programs have it unless told otherwise.
+enum class Window { hann, rectangular, hamming, blackman_harris, flat_top, blackman, tukey };
 
-/// "hann", "rectangular", "hamming", "blackman-harris", "flat-top".
+/// "hann", "rectangular", "hamming", "blackman-harris", "flat-top", "blackman", "tukey".
 std::string_view window_text(Window window);
 std::optional<Window> window_from_text(std::string_view text);
 
@@ -359,7 +360,8 @@ struct MeasureOptions {
   /// Lines × pairs of channels ≤ most_spectra where the block length is not given: 64 MiB. Longer
   /// records have more averages then, not finer lines.
   std::size_t most_spectra{std::size_t{1} << 22U};
-  /// Samples × channels of all records ≤ most_kept: they are kept while they are read several times.
+  /// Samples × channels of all records ≤ most_kept: they are kept while they are read several
+  /// times.
   std::int64_t most_kept{std::int64_t{1} << 23};
   /// [samples] Block length < short_block, where it is not given, only where p + 2 blocks side by
   /// side, for p inputs, would be longer than the record: of short records, longer blocks are worth
