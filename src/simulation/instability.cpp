@@ -62,7 +62,8 @@ std::string instability(const ClosedLoop& loop) {
                      loop.options().actuators == Actuators::controlled, &loop.parameters());
 }
 
-std::string loss_of_rest(const ClosedLoop& loop, signals::Generator& signal, double until) {
+std::string loss_of_rest(const ClosedLoop& loop, signals::Generator& signal, double until,
+                         const KeepGoing& keep_going) {
   const auto& machine = loop.plant().machine();
   const auto kind = loop.options().kind;
   if (kind == ModelKind::rigid || machine.gravity.isZero(0.0)) return {};
@@ -82,7 +83,9 @@ std::string loss_of_rest(const ClosedLoop& loop, signals::Generator& signal, dou
   signal.restart();
   for (long k = 0; k <= samples && found.empty(); ++k) {
     const auto command = signal.next();
-    if (k % every != 0 || command.value.isZero(0.0)) continue;
+    if (k % every != 0) continue;
+    if (keep_going && !keep_going(static_cast<double>(k) * T)) break;
+    if (command.value.isZero(0.0)) continue;
     const auto X_BP = command_at(loop.operating(), command).X_BP;
     if (falls(X_BP, false) && falls(X_BP, true))
       found = fmt::format(

@@ -154,7 +154,7 @@ class MotionCheck {
 std::vector<MotionFinding> check_motion(const Plant& plant,
                                         const control::ControllerParameters& parameters,
                                         const Pose& operating, signals::Generator& signal,
-                                        double until) {
+                                        double until, const KeepGoing& keep_going) {
   MotionCheck check(plant, parameters);
   const double T = parameters.sample_time;
   const long samples = static_cast<long>(std::floor(until / T + 1e-6));
@@ -164,7 +164,9 @@ std::vector<MotionFinding> check_motion(const Plant& plant,
     const double time = T * static_cast<double>(k);
     const auto command = command_at(operating, signal.next());
     check.see(time, command);
-    if (k % interval == 0) check.see_quality(time, command.X_BP);
+    if (k % interval != 0) continue;
+    check.see_quality(time, command.X_BP);
+    if (keep_going && !keep_going(time)) break;
   }
   signal.restart();
   return check.findings();

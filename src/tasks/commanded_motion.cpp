@@ -46,7 +46,8 @@ std::string in_millimetres(const std::string& command) {
 /// likely cause of all `errors`: one message then.
 void refuse_with_guess(const Machine& machine, const ClosedLoop& loop,
                        const std::vector<std::string>& texts, double until,
-                       const std::vector<base::Diagnostic>& errors) {
+                       const std::vector<base::Diagnostic>& errors,
+                       const simulation::KeepGoing& keep_going) {
   std::vector<std::string> meant, changed, wrong;
   for (const auto& text : texts) {
     meant.push_back(in_millimetres(text));
@@ -57,8 +58,8 @@ void refuse_with_guess(const Machine& machine, const ClosedLoop& loop,
   if (changed.empty()) return;
   const double rate = 1.0 / loop.parameters().sample_time;
   signals::Generator signal(signals::read_signals(meant, {.rate = rate}), rate);
-  for (const auto& finding :
-       simulation::check_motion(loop.plant(), loop.parameters(), machine.pose.X_BP, signal, until))
+  for (const auto& finding : simulation::check_motion(loop.plant(), loop.parameters(),
+                                                      machine.pose.X_BP, signal, until, keep_going))
     if (finding.severity == base::Severity::error) return;
   base::refuse(fmt::format("--command {}", fmt::join(wrong, ", ")),
                fmt::format("{}; did you mean \"{}\"?", errors.front().message,
@@ -70,7 +71,8 @@ void refuse_with_guess(const Machine& machine, const ClosedLoop& loop,
 std::vector<std::string> require_possible(const Machine& machine, const ClosedLoop& loop,
                                           const std::vector<std::string>& texts,
                                           const std::vector<signals::Signal>& commands,
-                                          signals::Generator& signal, double until) {
+                                          signals::Generator& signal, double until,
+                                          const simulation::KeepGoing& keep_going) {
   auto parameters = loop.parameters();
   std::optional<signals::Generator> finer;
   // a trajectory with a point per sample may be at rest at all of them and fast between them
@@ -82,14 +84,14 @@ std::vector<std::string> require_possible(const Machine& machine, const ClosedLo
   std::vector<base::Diagnostic> errors;
   std::vector<std::string> warnings;
   for (const auto& finding : simulation::check_motion(loop.plant(), parameters, machine.pose.X_BP,
-                                                      finer ? *finer : signal, until)) {
+                                                      finer ? *finer : signal, until, keep_going)) {
     if (finding.severity == base::Severity::error)
       errors.push_back({.file = "the commanded motion", .message = finding.message});
     else
       warnings.push_back(finding.message);
   }
   if (errors.empty()) return warnings;
-  refuse_with_guess(machine, loop, texts, until, errors);
+  refuse_with_guess(machine, loop, texts, until, errors, keep_going);
   throw base::InputError(errors);
 }
 

@@ -229,13 +229,14 @@ report::Simulation simulate(const Machine& machine, const SimulateOptions& optio
   result.loop = loop_of(machine, options, result.until);
   signals::Generator signal(commands, rate, options.loop.seed);
   auto loop = bounded_loop(of, machine.pose.X_BP, result.loop, "--until");
+  const auto checked = [&](double) { return !progress || !progress(0.0); };
   if (result.loop.actuators == simulation::Actuators::controlled)
     result.warnings =
-        require_possible(machine, loop, options.commands, commands, signal, result.until);
+        require_possible(machine, loop, options.commands, commands, signal, result.until, checked);
   if (auto why = simulation::instability(loop); !why.empty())
     result.warnings.push_back(std::move(why));
   else if (result.loop.actuators == simulation::Actuators::controlled)
-    if (auto lost = simulation::loss_of_rest(loop, signal, result.until); !lost.empty())
+    if (auto lost = simulation::loss_of_rest(loop, signal, result.until, checked); !lost.empty())
       result.warnings.push_back(std::move(lost));
   note_shorter_steps(loop, result.loop.integrator, result.warnings);
   if (result.loop.actuators != simulation::Actuators::springs)

@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "hydrapod/kinematics/legs.hpp"
 #include "hydrapod/simulation/linear_system.hpp"
 #include "support/loop_machine.hpp"
@@ -168,6 +170,25 @@ TEST(MotionCheck, LeavesTheSignalAtItsStart) {
   signals::Generator used({noise}, 1e3), fresh({noise}, 1e3);
   check_motion(plant, parameters, machine.neutral(), used, 0.7);
   for (int k = 0; k < 50; ++k) ASSERT_EQ(used.next().value, fresh.next().value);
+}
+
+/// Of half a second of a motion that ends 0.8 s later beyond the stroke.
+TEST(MotionCheck, EndsWhereItIsToldTo) {
+  const auto machine = machine_of("heavy-platform");
+  const Plant plant(machine, ModelKind::rigid);
+  const auto parameters = tune_controller(machine, machine.neutral()).parameters;
+  Vector6 far = Vector6::Zero();
+  far[2] = 0.7;
+  signals::Generator signal({ramp_to(far, 0.2, 1.3)}, 1e3);
+  const auto seen = [&](double last) {
+    return check_motion(plant, parameters, machine.neutral(), signal, 2.0,
+                        [&](double time) { return time < last; });
+  };
+  const auto is_error = [](const auto& finding) {
+    return finding.severity == base::Severity::error;
+  };
+  EXPECT_TRUE(std::ranges::none_of(seen(0.4), is_error));
+  EXPECT_TRUE(std::ranges::any_of(seen(3.0), is_error));
 }
 
 }  // namespace

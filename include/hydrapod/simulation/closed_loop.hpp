@@ -343,11 +343,12 @@ struct MotionFinding {
 
 /// The worst of each kind per leg, with its time and by how much: stroke and joint limits exceeded,
 /// a singular pose (errors); a speed beyond what the valve gives under the load at rest (a warning:
-/// the drive will be at its limit). `signal` is run through from its start and restarted.
+/// the drive will be at its limit). `signal` is run through from its start and restarted. Where
+/// `keep_going` ends it, the findings are those of the time before.
 std::vector<MotionFinding> check_motion(const Plant& plant,
                                         const control::ControllerParameters& parameters,
                                         const Pose& operating, signals::Generator& signal,
-                                        double until);
+                                        double until, const KeepGoing& keep_going = {});
 
 /// Why the machine does not stay at its operating pose without excitation: legs that buckle under
 /// the present load, or a closed loop that is unstable by its sampled poles. Empty where it stays.
@@ -359,8 +360,10 @@ std::string instability(const model::Machine& machine, const Pose& X_BP, ModelKi
 
 /// Where the command first brings a machine that stands at its operating pose to a pose at which it
 /// does not: its legs buckle there, and the loop is unstable. Empty: nowhere. At most 500 places of
-/// the command are looked at. `signal` is run through from its start and restarted.
-std::string loss_of_rest(const ClosedLoop& loop, signals::Generator& signal, double until);
+/// the command are looked at, as long as `keep_going` says so. `signal` is run through from its
+/// start and restarted.
+std::string loss_of_rest(const ClosedLoop& loop, signals::Generator& signal, double until,
+                         const KeepGoing& keep_going = {});
 
 /// Why a pose that the platform has come to ends a run: a joint beyond its limit, a singular pose.
 /// Empty when it does not.
