@@ -345,7 +345,9 @@ void run_at_amplitudes(const Arguments& arguments, std::size_t format) {
       base::refuse("--plot " + system.plot, "needs several amplitudes: --amplitude FROM:TO:COUNT");
   }
   const auto machine = load(arguments.machine);
-  const auto modes = tasks::modes_at_amplitudes(machine, amplitudes);
+  const auto modes = with_progress("modes at amplitudes", [&](const numerics::Progress& progress) {
+    return tasks::modes_at_amplitudes(machine, amplitudes, progress);
+  });
   if (!system.plot.empty()) plot_amplitudes(machine, modes, system.plot);
   write_result(arguments.output, format,
                format == 0   ? amplitudes_text(machine, modes, table_style(arguments.output))

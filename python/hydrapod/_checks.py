@@ -40,7 +40,7 @@ def threads_of(value: Any) -> int:
 
 def number(value: Any, name: str) -> float:
     """A real, finite number."""
-    if isinstance(value, (bool, np.bool_)) or not (isinstance(value, numbers.Real) or
+    if isinstance(value, (bool, np.bool_, np.timedelta64)) or not (isinstance(value, numbers.Real) or
                                                    isinstance(value, np.ndarray) and value.shape == () and
                                                    value.dtype.kind in "fiu"):
         raise TypeError(f"{name}: expected a number, got {shown(value)}")

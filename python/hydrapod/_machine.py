@@ -17,6 +17,13 @@ Quantity = Union[float, int, str]
 Value = Union[Quantity, bool, List[Any], Tuple[Any, ...], "Parameters"]
 
 
+def _number(value: Any) -> str:
+    """A real number as a file has it. Numbers of NumPy may be complex, or durations, and float() would take a part."""
+    if getattr(getattr(value, "dtype", None), "kind", "f") not in "fiuO":
+        raise TypeError
+    return repr(float(value))
+
+
 def _toml(value: Value) -> str:
     """`value` as an override has it."""
     if isinstance(value, str):
@@ -25,12 +32,12 @@ def _toml(value: Value) -> str:
         return "true" if value else "false"
     if isinstance(value, Parameters):
         value = list(value)
-    if isinstance(value, (list, tuple)) or hasattr(value, "tolist") and not hasattr(value, "__float__"):
+    if isinstance(value, (list, tuple)) or hasattr(value, "tolist") and getattr(value, "ndim", 1) > 0:
         items = value if isinstance(value, (list, tuple)) else value.tolist()
         texts = [json.dumps(v, ensure_ascii=False) if isinstance(v, str) else _toml(v) for v in items]
         return f"[{', '.join(texts)}]"
     try:
-        return repr(float(value))
+        return _number(value)
     except (TypeError, ValueError):
         raise TypeError(f"expected a number, a text with a unit or a list of these, got {value!r}") from None
 
@@ -366,7 +373,7 @@ def _toml_value(value: Any, path: str) -> str:
     if hasattr(value, "__index__"):
         return str(operator.index(value))
     try:
-        return repr(float(value))
+        return _number(value)
     except (TypeError, ValueError):
         raise TypeError(f"{path}: expected a number, a text, a dict or a list of these, got {value!r}") from None
 

@@ -10,7 +10,8 @@ from . import _checks, _core
 from ._checks import Texts
 from ._core import ModesAtAmplitudes
 from ._machine import Machine, Quantity
-from ._tasks import _core_of
+from ._progress import all_or_none
+from ._tasks import Progress, _core_of
 
 
 _rest = (0.0,) * 6
@@ -60,15 +61,16 @@ def forward_kinematics(machine: Machine, lengths: Any, *, start: Any = None) -> 
     return poses[0] if single else poses
 
 
-def modes_at_amplitudes(machine: Machine, amplitudes: Any) -> ModesAtAmplitudes:
+def modes_at_amplitudes(machine: Machine, amplitudes: Any, *, progress: Optional[Progress] = None) -> ModesAtAmplitudes:
     """Modes at amplitudes [m] of the platform joint that moves most, by harmonic balance.
 
     They show what guide rings, elastomers and friction make of the modes. amplitudes: of the platform joint that
     moves most [m], above 0, ascending; a number or (k,). Result, m branches of modes that move the platform:
     frequency_hz, damping_ratio, sleeve_amplitude [m], each (m, k), NaN where a branch does not have the amplitude,
     the first solution where it has several; amplitudes (k,); numbers (m,) of the undamped modes, counted from 0;
-    directions (m); from_long_swings (m), of second branches of modes. Ctrl-C waits for the ends of the branches.
-    Raises ValueError for amplitudes that do not ascend. Source: docs/theory/amplitude.md.
+    directions (m); from_long_swings (m), of second branches of modes.
+    Raises ValueError for amplitudes that do not ascend, ComputationError where progress stops.
+    Source: docs/theory/amplitude.md.
     C++: tasks::modes_at_amplitudes in hydrapod/tasks/linear.hpp.
     """
     values = np.atleast_1d(_checks.real_array(amplitudes, "amplitudes"))
@@ -76,7 +78,8 @@ def modes_at_amplitudes(machine: Machine, amplitudes: Any) -> ModesAtAmplitudes:
         raise ValueError(f"amplitudes: expected a number or a list, got shape {values.shape}")
     if not np.isfinite(values).all():
         raise ValueError("amplitudes: expected finite numbers")
-    return _core.modes_at_amplitudes(_core_of(machine), values.tolist())
+    with all_or_none(progress) as told:
+        return _core.modes_at_amplitudes(_core_of(machine), values.tolist(), told)
 
 
 class PoseQuality(NamedTuple):

@@ -15,6 +15,7 @@ import numpy as np
 from . import _checks, _core
 from ._checks import Texts
 from ._machine import Quantity
+from ._tables import Table, is_table, read_table
 
 
 class Record:
@@ -24,7 +25,13 @@ class Record:
     list of sentences. path: the file that was read; None: made from arrays. Made by read_record(), or from arrays:
 
         Record(samples, 1000.0, ["force", "a1"], units=["N", "m/s^2"], roles=["excitation", "response"])
+        Record(table)
 
+    A table of pandas is read as a file in CSV: names and units are those of its columns, "a1 [m/s^2]"; the times are
+    its index of dates or durations, a column of these, or a column or an index called time, t, seconds or the like,
+    in a unit of time or in seconds. Times that are not even, gaps and roles are treated as in files: see warnings.
+    sample_rate, of a table with times, is checked with them; channels, units, roles, directions are those without
+    the times.
     samples may be any array of real numbers; masked ones are missing. Units that are plain scales ("mm", "kN", "bar")
     are brought to SI; "g" is 9.80665 m/s². roles: excitation, drive, response or
     other. directions: "x" … "rz", "-x" …, "leg 1" …, "" for none. Raises InputError or ValueError.
@@ -35,28 +42,35 @@ class Record:
     _core_record: _core.Record
     warnings: List[str]
 
-    def __init__(self, samples: Any, sample_rate: Quantity, channels: Texts, *,
+    def __init__(self, samples: Any, sample_rate: Optional[Quantity] = None, channels: Optional[Texts] = None, *,
                  units: Optional[Texts] = None, roles: Optional[Texts] = None,
-                 directions: Optional[Texts] = None, start: Quantity = 0.0, title: str = "",
+                 directions: Optional[Texts] = None, start: Optional[Quantity] = None, title: str = "",
                  notes: str = ""):
-        array = np.ascontiguousarray(_checks.real_array(samples, "samples", missing=True))
-        names = _checks.words(channels, "channels")
+        table = None if channels is not None and sample_rate is not None else _table_of(samples, sample_rate, channels)
+        array = np.ascontiguousarray(table.samples if table else _checks.real_array(samples, "samples", missing=True))
+        names = table.names if table and channels is None else _checks.words(channels, "channels")
         count = len(names)
+        if table and table.times is not None and start is not None:
+            raise ValueError("start: the times of the table state it; leave it out")
         if array.ndim == 2 and array.shape[1] != count:
             advice = "; transpose it" if array.shape[0] == count else ""
             raise ValueError(f"samples: expected an array of samples × {count} channels, got shape "
                              f"{array.shape}{advice}")
 
-        def of_channels(given: Optional[Texts], name: str, otherwise: str) -> List[str]:
-            texts = [otherwise] * count if given is None else _checks.words(given, name)
+        def of_channels(given: Optional[Texts], name: str, otherwise: List[str]) -> List[str]:
+            texts = otherwise if given is None else _checks.words(given, name)
             if len(texts) != count:
                 raise ValueError(f"{name}: expected {count}, one for each channel, got {len(texts)}")
             return texts
 
-        self._core_record, self.warnings = _core.record(
-            array, _core.quantity(sample_rate, "Hz", "sample_rate"), _core.quantity(start, "s", "start"), names,
-            of_channels(units, "units", "1"), of_channels(roles, "roles", "other"),
-            of_channels(directions, "directions", ""), _checks.word(title, "title"), _checks.word(notes, "notes"))
+        options = {"channels": names, "units": of_channels(units, "units", table.units if table else ["1"] * count),
+                   "roles": None if table and roles is None else of_channels(roles, "roles", ["other"] * count),
+                   "directions": of_channels(directions, "directions", [""] * count),
+                   "sample_rate": sample_rate, "start": start, "title": _checks.word(title, "title"),
+                   "notes": _checks.word(notes, "notes")}
+        if table:
+            options.update(of_table=True, has_unit_of_time=table.has_unit_of_time, date=table.date)
+        self._core_record, self.warnings = _core.record(array, table.times if table else None, options)
         self.path: Optional[str] = None
 
     @classmethod
@@ -129,6 +143,9 @@ class Record:
 
     def __getitem__(self, channel: str) -> Any:
         """Samples of the channel of that name."""
+        if not isinstance(channel, str):
+            raise TypeError(f"expected the name of a channel, got {_checks.shown(channel)}; samples[…] has rows, and "
+                            "cut_record() makes a record of some")
         try:
             return self.samples[:, self.channels.index(channel)]
         except ValueError:
@@ -192,6 +209,19 @@ def read_record(path: Union[str, "os.PathLike[str]"], *, rate: Optional[Quantity
     return Record._of(core, warnings, name)
 
 
+def _table_of(samples: Any, sample_rate: Optional[Quantity], channels: Optional[Texts]) -> Optional[Table]:
+    """A table of pandas; arrays have neither names nor times."""
+    if not is_table(samples):
+        missing = "sample_rate" if sample_rate is None else "channels"
+        expected = "a rate in Hz" if sample_rate is None else "a name for each channel"
+        raise TypeError(f"{missing}: expected {expected}; a table of pandas alone tells it")
+    table = read_table(samples)
+    if table.times is None and sample_rate is None:
+        raise ValueError("sample_rate: the table has no times; expected are a rate in Hz, an index of dates or "
+                         "durations, or a column such as \"time [s]\", time, t or seconds")
+    return table
+
+
 Path = Union[str, "os.PathLike[str]"]
 Measured = Union[Path, Record, _core.Result, Sequence[Union[Path, Record, _core.Result]]]
 
@@ -210,9 +240,11 @@ def _items(measured: Measured) -> List[Any]:
     """What was measured as a list."""
     if isinstance(measured, (str, os.PathLike, Record, _core.Result)):
         return [measured]
-    if isinstance(measured, np.ndarray) or not isinstance(measured, Iterable):
-        advice = "; Record(samples, rate, channels) makes a record" if isinstance(measured, np.ndarray) else ""
-        raise TypeError(f"expected a file, a Record, a result or a list of these, got {measured!r}{advice}")
+    if isinstance(measured, np.ndarray) or is_table(measured) or not isinstance(measured, Iterable):
+        advice = "; Record(samples, rate, channels) makes a record" if isinstance(measured, np.ndarray) else \
+            "; Record(table) makes a record" if is_table(measured) else ""
+        raise TypeError(f"expected a file, a Record, a result or a list of these, got "
+                        f"{_checks.shown(measured)}{advice}")
     return list(measured)
 
 

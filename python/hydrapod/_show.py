@@ -274,12 +274,18 @@ def attach_fields(tuples: Sequence[Any]) -> None:
         one._repr_html_ = fields
 
 
+def _not_pickled(result: Any, protocol: Any = None) -> Any:
+    kept = "its to_dict() or " if isinstance(result, _core.Result) else ""
+    raise TypeError(f"a {type(result).__name__} can be neither copied nor pickled; keep {kept}the machine it was made of")
+
+
 def attach() -> None:
     """Gives the classes of the extension what is written in Python."""
     shown: List[Any] = [_core.Result, _core.ModelModes, _core.Superelement]
     for result in shown:
         result.__repr__ = text
         result._repr_html_ = page
+        result.__reduce_ex__ = _not_pickled
     modes: Any = _core.Modes
     for name in ("frequency_hz", "omega", "damping_ratio", "poles", "labels", "moves_platform", "stable",
                  "shapes", "coordinates", "M", "K", "C", "modal_damping_ratio"):

@@ -139,7 +139,7 @@ def montecarlo(machine: Machine, vary: Mapping[str, str], *, want: Texts = (), o
 
 
 def sweep(machine: Machine, over: Over, *, refine: int = 0, want: Texts = (), outputs: Optional[Outputs] = None,
-          design: str = "grid", samples: int = 10000, seed: int = 1, modes: int = 6, only: Texts = (),
+          design: str = "grid", samples: Optional[int] = None, seed: int = 1, modes: int = 6, only: Texts = (),
           also: Texts = (), commands: Texts = (), until: Optional[Quantity] = None, buckling: bool = False,
           threads: int = 0, results: Optional[Path] = None, resume: bool = False,
           shard: Optional[Tuple[int, int]] = None, join: bool = False, progress: Optional[Progress] = None) -> Study:
@@ -147,8 +147,8 @@ def sweep(machine: Machine, over: Over, *, refine: int = 0, want: Texts = (), ou
 
     over: {PATH: "2:20:10 kN/mm"}, a list "1, 2, 5 kN/mm", or an array in SI. outputs: {NAME: function of a
     Machine} adds columns of your own: see Study.evaluate; where progress stops the study they are NaN.
-    design: grid, latin or sobol. refine: so many times, 0 to 12, intervals of the grid between which modes cross or
-    veer are halved. Others: see montecarlo().
+    design: grid, latin or sobol. samples: rows of latin and sobol [10000]; a grid has one per point. refine: so many
+    times, 0 to 12, intervals of the grid between which modes cross or veer are halved. Others: see montecarlo().
     Result: as montecarlo(); of a grid, shape are the counts, study["x"].reshape(study.shape) the field.
     Raises as montecarlo(); ValueError and TypeError for outputs that cannot be columns. Source: docs/theory/study.md.
     C++: tasks::prepare_study in hydrapod/tasks/study.hpp.
@@ -300,7 +300,8 @@ def evaluate(study: Any, function: Callable[[Machine], float], *, progress: Opti
 
 def _result_of(found: Any, of: str) -> float:
     array = np.asarray(found)
-    if array.size != 1 or array.dtype.kind not in "fiub":
+    masked = isinstance(found, np.ma.MaskedArray) and bool(np.any(found.mask))
+    if array.size != 1 or array.dtype.kind not in "fiub" or masked:
         raise TypeError(f"{of}: expected a function that returns a real number, it returned {found!r}")
     return float(array.reshape(())[()])
 

@@ -257,7 +257,7 @@ def frf(measured: Measured, *, machine: Union[Machine, Path, None] = None, pose:
     measured: files, Record objects or a list of these. inputs, outputs: names of channels; default: by their roles.
     instruments: names of the external excitations of a closed loop; default: of the role excitation. input_from:
     drive (the machine without its controller) or excitation (with it); default: as the record says. estimator: auto,
-    h1, h2, hv or iv. window: hann, rectangular, hamming, blackman-harris or flat-top. block: samples; default: from
+    h1, h2, hv or iv. window: hann, rectangular, hamming, blackman-harris, flat-top or blackman. block: samples; default: from
     the length of the record. overlap: a share. period: of the excitation [s]; 0: none; default: found out. settling:
     time at the beginning that is left out [s]. rate: sample rate [Hz] of files that do not tell it. accelerometers:
     outputs are the accelerometers, as accelerations of the platform. sensors: their places, "NAME, at=X Y Z,

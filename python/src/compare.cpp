@@ -126,10 +126,13 @@ std::shared_ptr<ModesAtPoses> modes_at_poses(const Machine& machine, const Names
 }
 
 std::shared_ptr<ModesAtAmplitudes> modes_at_amplitudes(const Machine& machine,
-                                                       const std::vector<double>& amplitudes) {
+                                                       const std::vector<double>& amplitudes,
+                                                       const py::object& progress) {
   auto result = std::make_shared<ModesAtAmplitudes>();
   result->machine = machine;
-  result->found = without_gil([&] { return tasks::modes_at_amplitudes(*machine, amplitudes); });
+  result->found = at_work(progress, [&](const numerics::Progress& watch) {
+    return tasks::modes_at_amplitudes(*machine, amplitudes, watch);
+  });
   return result;
 }
 
@@ -280,8 +283,7 @@ void add_compare(py::module_& module) {
       .def_property_readonly("sleeve_amplitude", [](const ModesAtAmplitudes& m) {
         return m.table([](const auto& point) { return point.sleeve; });
       });
-  module.def("modes_at_amplitudes", &modes_at_amplitudes, py::arg("machine"),
-             py::arg("amplitudes"));
+  module.def("modes_at_amplitudes", &modes_at_amplitudes);
   py::class_<Compared, Result, std::shared_ptr<Compared>>(module, "Compared")
       .def_property_readonly(
           "things", [](const Compared& c) { return of_things(c, &report::ComparedThing::name); })

@@ -65,6 +65,7 @@ PYBIND11_MODULE(_core, module) {
           "The same as a dict.");
   add_machine(module);
   add_linear(module);
+  add_record(module);
   add_measurement(module);
   add_fit(module);
   add_simulation(module);

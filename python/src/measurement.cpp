@@ -1,14 +1,12 @@
-/// Records, frequency responses, identified modes.
+/// Frequency responses, identified modes.
 
 #include "measurement.hpp"
 
 #include <filesystem>
 
-#include "data/channel_units.hpp"
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/base/units.hpp"
-#include "hydrapod/data/record_io.hpp"
 #include "hydrapod/report/measured_results.hpp"
 #include "hydrapod/rig/rig.hpp"
 
@@ -45,7 +43,7 @@ tasks::MeasureOptions measure_options(const Options& asked) {
   if (estimator > 0) estimate.estimator = static_cast<identification::Estimator>(estimator - 1);
   estimate.window = static_cast<identification::Window>(
       choice("window", asked.get<std::string>("window", "hann"),
-             {"hann", "rectangular", "hamming", "blackman-harris", "flat-top"}));
+             {"hann", "rectangular", "hamming", "blackman-harris", "flat-top", "blackman"}));
   if (asked.has("block")) {
     const int block = asked.get<int>("block");
     if (block < 16 || block % 2 != 0)
@@ -113,8 +111,6 @@ tasks::IdentifyOptions identify_options(const Options& asked) {
 }
 
 namespace {
-
-using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
 struct Frf : Result {
   std::vector<std::string> files{};
@@ -274,99 +270,9 @@ void write_modes(const Identified& result, const py::object& file) {
   });
 }
 
-/// The record, its units made SI as those of files are, and what is to be said about them.
-py::tuple record_of(const Doubles& samples, double rate, double start,
-                    const std::vector<std::string>& channels, const std::vector<std::string>& units,
-                    const std::vector<std::string>& roles,
-                    const std::vector<std::string>& directions, const std::string& title,
-                    const std::string& notes) {
-  if (samples.ndim() != 2)
-    throw std::invalid_argument("samples: expected an array of samples × channels, got " +
-                                std::to_string(samples.ndim()) + " dimensions");
-  const auto columns = static_cast<std::size_t>(samples.shape(1));
-  for (const auto* list : {&channels, &units, &roles, &directions})
-    if (list->size() != columns)
-      throw std::invalid_argument("expected " + std::to_string(columns) +
-                                  " names, units, roles and directions: one for each channel");
-  auto record = std::make_shared<data::Record>();
-  auto& header = record->header;
-  header.title = title;
-  header.notes = notes;
-  header.sample_rate = rate;
-  header.start = start;
-  for (std::size_t k = 0; k < columns; ++k) {
-    const auto role = data::role_from_text(roles[k]);
-    if (!role)
-      base::refuse("role " + roles[k], "accepted are excitation, drive, response and other");
-    const auto direction =
-        directions[k].empty() ? data::Direction::none : data::direction_from_text(directions[k]);
-    if (!direction)
-      base::refuse("direction " + directions[k], "accepted are x … rz, -x … -rz, leg 1 … leg 6");
-    header.channels.push_back(
-        {.name = channels[k], .unit = units[k], .direction = *direction, .role = *role});
-  }
-  data::Notes said("record");
-  const auto factors = data::to_si(header.channels, said, false);
-  data::validate(header);
-  record->samples =
-      Eigen::Map<const data::Samples>(samples.data(), samples.shape(0), samples.shape(1));
-  for (std::size_t k = 0; k < columns; ++k)
-    if (factors[k] != 1.0) record->samples.col(static_cast<Eigen::Index>(k)) *= factors[k];
-  return py::make_tuple(record, texts(said.all()));
-}
-
-template <class Get>
-std::vector<std::string> of_channels(const data::Record& record, Get get) {
-  std::vector<std::string> list;
-  for (const auto& channel : record.header.channels) list.emplace_back(get(channel));
-  return list;
-}
-
-void add_record(py::module_& module) {
-  using Record = data::Record;
-  py::class_<Record, std::shared_ptr<Record>>(module, "Record")
-      .def_property_readonly(
-          "samples",
-          [](const py::object& self) { return view_of(self.cast<const Record&>().samples, self); })
-      .def_property_readonly(
-          "channels",
-          [](const Record& r) { return of_channels(r, [](auto& c) { return c.name; }); })
-      .def_property_readonly(
-          "units", [](const Record& r) { return of_channels(r, [](auto& c) { return c.unit; }); })
-      .def_property_readonly("roles",
-                             [](const Record& r) {
-                               return of_channels(r,
-                                                  [](auto& c) { return data::role_text(c.role); });
-                             })
-      .def_property_readonly("directions",
-                             [](const Record& r) {
-                               return of_channels(
-                                   r, [](auto& c) { return data::direction_text(c.direction); });
-                             })
-      .def_property_readonly("sample_rate", [](const Record& r) { return r.header.sample_rate; })
-      .def_property_readonly("start", [](const Record& r) { return r.header.start; })
-      .def_property_readonly("title", [](const Record& r) { return r.header.title; })
-      .def_property_readonly("notes", [](const Record& r) { return r.header.notes; })
-      .def_property_readonly("date", [](const Record& r) { return r.header.date; })
-      .def_property_readonly("machine", [](const Record& r) { return r.header.experiment.machine; })
-      .def("write", [](const Record& record, const py::object& file) {
-        const auto path = path_of(file, "path");
-        without_gil([&] {
-          data::write_record(path, record, data::format_of_ending(path));
-          return 0;
-        });
-      });
-  module.def("read_record", [](const std::string& path, const std::optional<double>& rate) {
-    auto read = without_gil([&] { return data::read_record(path, {.sample_rate = rate}); });
-    return py::make_tuple(std::make_shared<Record>(std::move(read.record)), texts(read.notes));
-  });
-  module.def("record", &record_of);
-}
-
 }  // namespace
 
 void add_measurement(py::module_& module) {
-  add_record(module);
   py::class_<Frf, Result, std::shared_ptr<Frf>>(module, "Frf")
       .def_property_readonly("frequency_hz",
                              [](const py::object& self) {

@@ -98,7 +98,16 @@ Doubles doubles(const py::handle& given) {
   return real ? Doubles::ensure(any) : py::reinterpret_steal<Doubles>(py::handle());
 }
 
+/// A masked element has a number below its mask.
+void refuse_masked(const py::handle& given, const char* name) {
+  const auto* const plain = py::detail::npy_api::get().PyArray_Type_;
+  if (Py_TYPE(given.ptr()) == plain || !py::hasattr(given, "mask")) return;
+  if (py::module_::import("numpy.ma").attr("is_masked")(given).cast<bool>())
+    throw std::invalid_argument(std::string(name) + ": an element is masked; give numbers for all");
+}
+
 spatial::Vector6 six(const py::handle& given, const char* name) {
+  refuse_masked(given, name);
   const auto array = doubles(given);
   if (!array) {
     PyErr_Clear();

@@ -93,6 +93,8 @@ std::shared_ptr<Study> run_study(const Machine& machine, const std::string& kind
     throw std::invalid_argument("refine: expected 0 to 12, got " + std::to_string(refine));
   if (refine > 0 && options.plan.design != study::Design::grid)
     base::refuse("refine", "halves intervals of a grid; leave design out");
+  const bool needless_samples =
+      kind == "sweep" && asked.has("samples") && options.plan.design == study::Design::grid;
   auto result = std::make_shared<Study>();
   result->kind = kind;
   tasks::StudyRunOptions running{.output = asked.get<std::string>("results"),
@@ -111,6 +113,11 @@ std::shared_ptr<Study> run_study(const Machine& machine, const std::string& kind
   };
   at_work(progress, [&](const numerics::Progress& watch) {
     result->job = tasks::prepare_study(*machine, options);
+    if (needless_samples)
+      base::refuse(fmt::format("samples={}", options.plan.samples),
+                   fmt::format("a grid has one row per point, here {}; leave it out, or choose "
+                               "design=\"latin\" or \"sobol\"",
+                               result->job.rows));
     if (refine > 0) tasks::refine_grid(result->job, refine, watch, {.threads = running.threads});
     result->done = tasks::run_study(result->job, running, watch);
     return 0;

@@ -18,6 +18,15 @@ namespace {
 std::atomic<int> calls{0};
 std::atomic<bool> ending{false};
 
+/// Numbers of NumPy may be complex, truths or durations, and PyFloat_AsDouble() would take their
+/// real part or their count.
+bool is_real(const py::handle& value) {
+  if (PyFloat_Check(value.ptr()) || PyLong_Check(value.ptr()) || !py::hasattr(value, "dtype"))
+    return true;
+  const auto kind = py::str(py::getattr(value.attr("dtype"), "kind", py::str("O")));
+  return std::string_view("fiuO").find(kind.cast<std::string>()) != std::string_view::npos;
+}
+
 double seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
@@ -122,8 +131,9 @@ double quantity(const py::handle& value, const char* unit, const std::string& na
     return read.value;
   }
   if (PyBool_Check(value.ptr())) throw py::type_error(name + ": expected a quantity, got a bool");
-  const double number = PyFloat_AsDouble(value.ptr());
-  if (number == -1.0 && PyErr_Occurred() != nullptr) {
+  const bool real = is_real(value);
+  const double number = real ? PyFloat_AsDouble(value.ptr()) : 0.0;
+  if (!real || (number == -1.0 && PyErr_Occurred() != nullptr)) {
     PyErr_Clear();
     throw py::type_error(
         fmt::format("{}: expected a number in SI or a text such as \"2.5 {}\", got {}", name, unit,

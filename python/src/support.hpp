@@ -251,6 +251,7 @@ void add_design(py::module_& module);
 void add_compare(py::module_& module);
 void add_exchange(py::module_& module);
 void add_kinematics(py::module_& module);
+void add_record(py::module_& module);
 void add_records(py::module_& module);
 void add_realtime(py::module_& module);
 

@@ -121,6 +121,15 @@ def test_a_list_or_no_text_in_place_of_a_value(heavy, name, option, wrong):
     assert "incompatible" not in str(raised.value) and "cast" not in str(raised.value)
 
 
+def test_samples_of_a_grid(heavy):
+    """They were ignored."""
+    over = {sleeve: "1:3:3 MN/m", "platform.mass": [12e3, 14e3]}
+    with pytest.raises(hydrapod.InputError, match="samples=5.*a grid has one row per point, here 6; leave it out"):
+        hydrapod.sweep(heavy, over, samples=5)
+    assert hydrapod.sweep(heavy, over, samples=None).shape == [3, 2]
+    assert len(hydrapod.sweep(heavy, {sleeve: "1:3 MN/m"}, design="latin", samples=5).values) == 5
+
+
 def test_paths_are_texts_or_paths(heavy, strong_run, tmp_path):
     """pathlib.Path everywhere where a file is meant; bytes are refused by name."""
     report = hydrapod.report(heavy, points=5)
@@ -234,6 +243,37 @@ def test_masked_samples_are_missing():
     assert np.isnan(whole_numbers["u"][0]) and whole_numbers["u"][1] == 2.0
 
 
+def test_numbers_that_float_would_take_in_part(heavy):
+    """The real part of a complex number, the count of a duration, the number below a mask."""
+    plant, masked_six = hydrapod.Plant(heavy), np.ma.masked_array(np.full(6, 9e9), [True] + [False] * 5)
+    for wrong in (np.complex128(1e-3), np.complex64(1e-3), np.timedelta64(1, "ns"), np.datetime64(1, "ns")):
+        for call in (lambda: plant.step(None, wrong), lambda: hydrapod.simulate(heavy, until=wrong),
+                     lambda: heavy.with_({"platform.mass": wrong}), lambda: hydrapod.Plant(heavy, tolerance=wrong),
+                     lambda: hydrapod.Record(np.zeros((9, 1)), wrong, "u"),
+                     lambda: hydrapod.build_machine(platform={"mass": wrong})):
+            with pytest.raises(TypeError, match="expected"):
+                call()
+    for step in (lambda: plant.step(masked_six, 1e-3), lambda: plant.step(None, 1e-3, wrench=masked_six)):
+        with pytest.raises(ValueError, match="masked"):
+            step()
+    assert plant.time == 0.0
+    np.testing.assert_array_equal(plant.step(np.ma.masked_array(np.zeros(6)), 1e-3),
+                                  hydrapod.Plant(heavy).step(np.zeros(6), 1e-3))
+    for call in (lambda of: hydrapod.sweep(heavy, {sleeve: [1e6]}, outputs={"c": of}),
+                 lambda of: hydrapod.design(heavy, {sleeve: "1:50 kN/mm"}, minimise="c", outputs={"c": of}, samples=16)):
+        with pytest.raises(TypeError, match="real number"):
+            call(lambda machine: np.ma.masked)
+
+
+def test_arrays_of_numpy_are_lists_of_a_machine(heavy):
+    centre = np.array([0.0, 0.001, -0.15], np.float32)
+    for given in (centre, centre.astype(float), list(map(float, centre)), pytest.importorskip("pandas").Series(centre)):
+        assert heavy.with_({"platform.mass_center": given})["platform.mass_center[1]"] == float(centre[1])
+    for wrong in (np.ma.masked_array(centre, [False, True, False]), centre.astype(complex)):
+        with pytest.raises(TypeError, match="expected a number"):
+            heavy.with_({"platform.mass_center": wrong})
+
+
 def test_records_say_what_does_not_fit():
     with pytest.raises(ValueError, match="transpose"):
         hydrapod.Record(np.zeros((2, 300)), 100.0, ["u", "a"])
@@ -248,6 +288,9 @@ def test_records_say_what_does_not_fit():
     assert copy.copy(record) is record and copy.deepcopy(record) is record
     with pytest.raises(TypeError, match="iterable"):
         list(record)
+    for wrong in (0, slice(0, 5), ("a", "u"), None):
+        with pytest.raises(TypeError, match="name of a channel.*samples"):
+            record[wrong]
     with pytest.raises(TypeError, match="write"):
         pickle.dumps(record)
 

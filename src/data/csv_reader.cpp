@@ -14,6 +14,7 @@
 #include "hydrapod/base/text.hpp"
 #include "record_comments.hpp"
 #include "table_head.hpp"
+#include "time_column.hpp"
 #include "time_grid.hpp"
 #include "time_stamp.hpp"
 
@@ -23,28 +24,6 @@ namespace {
 
 using base::TableStyle;
 using base::TableTitle;
-
-bool is_time_name(const std::string& name) {
-  constexpr std::array<std::string_view, 10> words{
-      "time",      "t",          "zeit",         "temps",       "tiempo",
-      "timestamp", "time stamp", "elapsed time", "zeitstempel", "rel. time"};
-  return std::ranges::find(words, base::lower_case(name)) != words.end();
-}
-
-/// The factor of a unit of time to seconds, if it is one.
-std::optional<double> seconds(const std::string& unit) {
-  const ChannelUnit found = channel_unit(unit);
-  if (found.unit != "s") return {};
-  return found.factor;
-}
-
-/// To many programs "time_s" is what "time [s]" is to others.
-TableTitle with_unit_of_time(const TableTitle& title) {
-  const auto at = title.name.rfind('_');
-  if (!title.unit.empty() || at == std::string::npos) return title;
-  TableTitle apart{.name = title.name.substr(0, at), .unit = title.name.substr(at + 1)};
-  return is_time_name(apart.name) && seconds(apart.unit) ? apart : title;
-}
 
 /// "5,054.94", "5.054,94", "1'005'054": digits in threes behind a mark, which is always the same
 /// and not that of the decimals.
@@ -226,7 +205,7 @@ class CsvReader final : public RecordReader {
           "`omega [rad/s]`");
     if (!by_hydrapod_ && !comments.text_of("sample_rate_hz").empty()) notes_.add(damaged_mark);
     const auto found = titles(head);
-    if (!times_) find_time_column(found);
+    if (!times_) take_time_column(found);
     for (std::size_t c = 0; c < columns_; ++c)
       if (!is_time(c)) header_.channels.push_back({.name = found[c].name, .unit = found[c].unit});
   }
@@ -255,16 +234,12 @@ class CsvReader final : public RecordReader {
     return found;
   }
 
-  void find_time_column(const std::vector<TableTitle>& found) {
+  void take_time_column(const std::vector<TableTitle>& found) {
     if (columns_ < 2 && !by_hydrapod_) return;
-    for (std::size_t c = 0; c < columns_; ++c) {
-      const auto title = with_unit_of_time(found[c]);
-      const auto factor = title.unit.empty() ? std::optional(1.0) : seconds(title.unit);
-      if (!factor || (!is_time_name(title.name) && (c > 0 || title.unit.empty()))) continue;
-      times_.emplace(c, *factor);
-      assumed_seconds_ = title.unit.empty();
-      return;
-    }
+    const auto times = find_time_column(found);
+    if (!times) return;
+    times_.emplace(times->column, times->factor);
+    assumed_seconds_ = !times->has_unit;
   }
 
   // the numbers

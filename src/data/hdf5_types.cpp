@@ -23,8 +23,8 @@ std::string member_name(hid_t type, unsigned member) {
 }
 
 bool is_complex(hid_t type) {
-  if (H5Tget_nmembers(type) != 2 || H5Tget_member_class(type, 0) != H5T_FLOAT ||
-      H5Tget_member_class(type, 1) != H5T_FLOAT)
+  if (H5Tget_class(type) != H5T_COMPOUND || H5Tget_nmembers(type) != 2 ||
+      H5Tget_member_class(type, 0) != H5T_FLOAT || H5Tget_member_class(type, 1) != H5T_FLOAT)
     return false;
   const std::pair names{member_name(type, 0), member_name(type, 1)};
   return names == std::pair<std::string, std::string>("r", "i") ||

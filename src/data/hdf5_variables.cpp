@@ -54,15 +54,16 @@ class Hdf5Variables final : public VariableFile {
     const auto read_into = [&](void* to) {
       return H5Dread(set.set.id(), set.memory(), memory.id(), space.id(), H5P_DEFAULT, to) >= 0;
     };
-    if (set.bits) {
-      std::vector<std::uint8_t> bytes(rows);
-      if (!read_into(bytes.data())) return false;
-      std::ranges::copy(bytes, out);
+    const bool all = set.width == 1 || fast_count == set.width;
+    if (all && !set.bits) return read_into(out);
+    std::vector<double> whole(set.bits ? 0 : rows * set.width);
+    std::vector<std::uint8_t> bits(set.bits ? rows * set.width : 0);
+    if (!read_into(set.bits ? static_cast<void*>(bits.data()) : whole.data())) return false;
+    if (set.bits) whole.assign(bits.begin(), bits.end());
+    if (all) {
+      std::ranges::copy(whole, out);
       return true;
     }
-    if (set.width == 1 || fast_count == set.width) return read_into(out);
-    std::vector<double> whole(rows * set.width);
-    if (!read_into(whole.data())) return false;
     for (std::uint64_t row = 0; row < rows; ++row)
       std::copy_n(whole.data() + row * set.width + fast_first, fast_count, out + row * fast_count);
     return true;
@@ -274,6 +275,7 @@ class Hdf5Variables final : public VariableFile {
   void take_member(const Hdf5Handle& set, hid_t table, unsigned number, int rank, hsize_t rows,
                    const std::string& table_name) {
     const std::string field = member_name(table, number);
+    if (field == "index" && read_text_attribute(set.id(), "index_kind") == counts_rows) return;
     const std::string name = table_name + '/' + field;
     const Hdf5Handle type(H5Tget_member_type(table, number), H5Tclose);
     Hdf5Handle item(H5Tcopy(type.id()), H5Tclose);
@@ -284,12 +286,11 @@ class Hdf5Variables final : public VariableFile {
       item = Hdf5Handle(H5Tget_super(type.id()), H5Tclose);
     }
     constexpr hsize_t widest = 100'000;
+    if (is_complex(item.id())) return left_out(name, complex_words, "complex");
     if (!is_numeric(item.id()) || width == 0 || width > widest)
       return left_out(name, "holds no numbers", "kind");
     Set made{.rank = rank, .width = width};
     made.bits = H5Tget_class(item.id()) == H5T_BITFIELD;
-    if (made.bits && H5Tget_class(type.id()) == H5T_ARRAY)
-      return left_out(name, "holds lists of booleans", "kind");
     const hid_t number_type = made.bits ? H5T_NATIVE_B8 : H5T_NATIVE_DOUBLE;
     const bool list = H5Tget_class(type.id()) == H5T_ARRAY;
     const Hdf5Handle in_memory =
@@ -322,14 +323,21 @@ class Hdf5Variables final : public VariableFile {
     items.texts = std::move(names);
     add(std::move(items), {});
     v.name += "_values";
+    counts_nanoseconds(read_text_attribute(set, (field + "_dtype").c_str()), v);
   }
 
   /// An index counts seconds, nanoseconds or rows.
+  static constexpr const char* counts_rows = "integer";
   static void name_index(const std::string& kind, Variable& v) {
     const std::size_t at = v.name.rfind('/');
-    const std::string group = at == v.name.npos ? "" : v.name.substr(0, at + 1);
-    v.name = group + (kind == "integer" ? "row" : "time");
-    if (kind == "datetime64" || kind == "timedelta64") v.unit = "ns";
+    v.name = (at == v.name.npos ? "" : v.name.substr(0, at + 1)) + "time";
+    counts_nanoseconds(kind, v);
+  }
+
+  /// So pandas keeps points in time and distances between them.
+  static void counts_nanoseconds(const std::optional<std::string>& kind, Variable& v) {
+    if (kind && (kind->starts_with("datetime64") || kind->starts_with("timedelta64")))
+      v.unit = "ns";
   }
 
   /// The texts of a list as Python pickles it (protocol 0).
@@ -369,8 +377,11 @@ class Hdf5Variables final : public VariableFile {
           fmt::format("'{}' has the attribute {}, which is not used: its numbers are read "
                       "as they stand",
                       base::printable(name), scale));
-    if (const auto kind = read_text_attribute(set.id(), "kind"); kind && name.ends_with("/axis1"))
+    if (const auto kind = read_text_attribute(set.id(), "kind"); kind && name.ends_with("/axis1")) {
+      if (*kind == counts_rows) return;
       name_index(*kind, v);
+    }
+    counts_nanoseconds(read_text_attribute(set.id(), "value_type"), v);
     const Hdf5Handle type(H5Dget_type(set.id()), H5Tclose);
     const bool bits = H5Tget_class(type.id()) == H5T_BITFIELD;
     add(std::move(v), {.set = std::move(set), .rank = rank, .bits = bits});

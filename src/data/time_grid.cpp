@@ -386,6 +386,42 @@ void GridRows::interpolate(std::size_t right, double time,
     if (!std::isnan(cubic[c])) out[c] = cubic[c];
 }
 
+EvenSamples on_time_grid(const Eigen::Ref<const Samples>& samples, std::span<const double> times,
+                         const std::optional<StatedRate>& stated, Notes& notes) {
+  BinaryTimes binary;
+  const TimeSource source{[&](const TimeSource::Use& use) {
+                            for (const double time : times) {
+                              binary.take(time);
+                              use(std::isfinite(time) ? time : missing_value, 0);
+                            }
+                          },
+                          [&](double time) { return binary.resolution(time); }};
+  const TimeGrid grid = find_time_grid(source, stated, notes);
+  EvenSamples even{.rate = grid.rate, .start = grid.start};
+  if (grid.complete) {
+    even.samples = samples;
+    return even;
+  }
+  GridRows rows(grid, samples.cols());
+  Eigen::Index at = 0, count = 0;
+  const GridRows::Fetch fetch = [&](double& time, Eigen::RowVectorXd& row) {
+    if (at == samples.rows()) return false;
+    time = times[static_cast<std::size_t>(at)];
+    if (!std::isfinite(time)) time = missing_value;
+    row = samples.row(at++);
+    return true;
+  };
+  Eigen::RowVectorXd row(samples.cols());
+  for (; rows.next(fetch, row); ++count) {
+    if (count == even.samples.rows())
+      even.samples.conservativeResize(std::max<Eigen::Index>(2 * count, samples.rows()),
+                                      samples.cols());
+    even.samples.row(count) = row;
+  }
+  even.samples.conservativeResize(count, samples.cols());
+  return even;
+}
+
 void note_assumed_unit(std::string_view assumed, double rate, std::uint64_t samples,
                        std::string_view remedy, Notes& notes) {
   constexpr double slow = 2.0, slow_for_many = 20.0;  // [Hz]

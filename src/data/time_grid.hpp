@@ -4,10 +4,12 @@
 /// interpolated between.
 
 #include <Eigen/Core>
+#include <cmath>
 #include <cstdint>
 #include <deque>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "hydrapod/data/record.hpp"
@@ -50,6 +52,23 @@ struct TimeSource {
   std::function<void(const Use&)> each{};
   /// q of a time; asked after all times were told once.
   std::function<double(double time)> resolution{};
+};
+
+/// Times as numbers in binary: those of single precision have seven digits.
+class BinaryTimes {
+ public:
+  void take(double time) {
+    single_ =
+        single_ && (std::isnan(time) || static_cast<double>(static_cast<float>(time)) == time);
+  }
+  /// Of those that were taken.
+  [[nodiscard]] double resolution(double time) const {
+    constexpr double digits = 1.2e-7;
+    return single_ ? digits * std::abs(time) : 0.0;
+  }
+
+ private:
+  bool single_{true};
 };
 
 /// A rate that is stated elsewhere.
@@ -107,6 +126,17 @@ class GridRows {
   double last_time_{};
   bool timed_{}, ended_{};
 };
+
+/// Samples that stand evenly in time.
+struct EvenSamples {
+  double rate{};   ///< [Hz]
+  double start{};  ///< [s]
+  Samples samples{};
+};
+
+/// Rows of samples with their `times` [s], NaN where one is missing, put on the grid of these.
+EvenSamples on_time_grid(const Eigen::Ref<const Samples>& samples, std::span<const double> times,
+                         const std::optional<StatedRate>& stated, Notes& notes);
 
 /// A note where numbers without a unit make a rate at which nobody records vibrations, or few who
 /// take many samples. `assumed`: what they are taken for, as in "the times have no unit and are

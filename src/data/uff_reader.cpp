@@ -179,8 +179,10 @@ class UffReader final : public RecordReader {
       header_ = std::move(own);
     else
       notes_.add(
-          "the functions are not those that the header of hydrapod in the file describes; "
-          "the header is left aside");
+          "the functions are not those that the header of hydrapod in the file describes: the file "
+          "is "
+          "damaged, or another program changed it; the header is left aside, and no checksum is "
+          "compared");
     return same;
   }
 

@@ -17,6 +17,11 @@ inline constexpr std::size_t longest_text = 64U << 20U;  ///< bytes
 /// `array`: numbers that are no samples, for more than two dimensions or because they are complex.
 enum class VariableKind { numbers, text, texts, array };
 
+/// What is said of complex numbers where samples are read.
+inline constexpr const char* complex_words =
+    "is complex, and samples are real numbers (write its real and its imaginary part as two "
+    "arrays)";
+
 /// An array of one or two dimensions, but for kind `array`. Of two, `fast` is the one whose
 /// neighbours stand side by side in the file: rows of a MATLAB matrix, the last index in HDF5. A
 /// list has slow = 1.

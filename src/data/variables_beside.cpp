@@ -111,7 +111,7 @@ bool is_one_of(std::span<const std::string_view> words, const std::string& name)
 
 bool is_time_variable(const std::string& name) { return is_one_of(time_words, name); }
 bool are_times(const Variable& v) {
-  return v.kind == VariableKind::numbers && is_time_variable(v.name) &&
+  return v.kind == VariableKind::numbers && !v.is_complex && is_time_variable(v.name) &&
          std::min(v.fast, v.slow) == 1 && std::max(v.fast, v.slow) > 1;
 }
 

@@ -15,6 +15,8 @@
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/base/text.hpp"
 #include "response_files.hpp"
+#include "sample_sources.hpp"
+#include "time_column.hpp"
 #include "time_grid.hpp"
 #include "variable_file.hpp"
 #include "variables_beside.hpp"
@@ -28,14 +30,7 @@ constexpr std::array<std::string_view, 6> name_words{"channel_name", "channel_na
 constexpr std::array<std::string_view, 1> title_words{"title"};
 constexpr std::array<std::string_view, 4> unit_words{"channel_unit", "channel_units", "units",
                                                      "unit"};
-
-/// Where the samples of some channels are.
-struct Source {
-  std::size_t variable{};
-  bool samples_are_slow{};      ///< channels side by side
-  std::size_t first_channel{};  ///< of those of the record
-  std::size_t channels{};
-};
+constexpr const char* unreadable_times = "the times cannot be read";
 
 class VariablesReader final : public RecordReader {
  public:
@@ -57,7 +52,11 @@ class VariablesReader final : public RecordReader {
       begin_checksum();
     }
     if (!own) guess_roles(header_.channels, notes_);
-    if (!own && find("sample_rate_hz") != nullptr && find("format_version") != nullptr)
+    const auto has_all = [this](std::initializer_list<const char*> names) {
+      return std::ranges::all_of(names, [this](const char* name) { return find(name) != nullptr; });
+    };
+    if (!own && (has_all({"sample_rate_hz", "format_version"}) ||
+                 has_all({"samples", "channels/name", "channels/role", "channels/point"})))
       notes_.add(damaged_mark);
   }
 
@@ -71,12 +70,13 @@ class VariablesReader final : public RecordReader {
   }
 
   /// Samples as they stand in the file, from `first` on: how many, which are all up to the first
-  /// one that cannot be read.
-  std::int64_t read_rows(std::int64_t first, Eigen::Ref<Samples> block) {
+  /// one that cannot be read. `times`: gets those of a channel of times, if it is not empty.
+  std::int64_t read_rows(std::int64_t first, Eigen::Ref<Samples> block,
+                         std::span<double> times = {}) {
     const auto reads = [&](std::int64_t at, std::int64_t rows) {
-      return std::ranges::all_of(sources_, [&](const Source& s) {
-        return read_source(s, first + at, block.middleRows(at, rows));
-      });
+      const auto n = static_cast<std::size_t>(rows), from = static_cast<std::size_t>(at);
+      return sources_.read(static_cast<std::uint64_t>(first + at), block.middleRows(at, rows),
+                           times.empty() ? times : times.subspan(from, n));
     };
     const std::int64_t rows = block.rows();
     if (reads(0, rows)) return rows;
@@ -102,13 +102,17 @@ class VariablesReader final : public RecordReader {
       constexpr std::int64_t most = 1024;
       const std::int64_t left = static_cast<std::int64_t>(length_) - raw_done_;
       raw_.resize(std::clamp<std::int64_t>(left, 0, most), row.cols());
-      raw_rows_ = raw_.rows() > 0 ? read_rows(raw_done_, raw_) : 0;
+      raw_times_.resize(times_ ? 0 : static_cast<std::size_t>(raw_.rows()));
+      raw_rows_ = raw_.rows() > 0 ? read_rows(raw_done_, raw_, raw_times_) : 0;
       raw_at_ = 0;
       raw_times_.resize(static_cast<std::size_t>(raw_rows_));
-      if (raw_rows_ == 0 || !read_times(static_cast<std::uint64_t>(raw_done_), raw_times_)) {
+      const auto from = static_cast<std::uint64_t>(raw_done_);
+      if (raw_rows_ == 0 || (times_ && !read_list(*file_, *times_, from, raw_times_))) {
+        if (raw_rows_ > 0) notes_.add(unreadable_times);
         raw_rows_ = 0;
         return false;
       }
+      to_seconds(from, raw_times_);
       raw_done_ += raw_rows_;
     }
     time = raw_times_[static_cast<std::size_t>(raw_at_)];
@@ -134,28 +138,6 @@ class VariablesReader final : public RecordReader {
         found->fast * found->slow != 1 || !std::isfinite(found->number))
       notes_.fail(fmt::format("the variable '{}' is missing or is not one finite number", name));
     return found->number;
-  }
-
-  bool read_source(const Source& source, std::int64_t from, Eigen::Ref<Samples> block) {
-    const auto first = static_cast<std::uint64_t>(from);
-    const auto rows = static_cast<std::uint64_t>(block.rows());
-    auto columns = block.middleCols(static_cast<Eigen::Index>(source.first_channel),
-                                    static_cast<Eigen::Index>(source.channels));
-    if (source.samples_are_slow) {
-      buffer_.resize(columns.rows(), columns.cols());
-      if (!file_->read(source.variable, first, rows, 0, source.channels, buffer_.data()))
-        return false;
-      columns = buffer_;
-      return true;
-    }
-    buffer_.resize(columns.rows(), 1);
-    for (Eigen::Index c = 0; c < columns.cols(); ++c) {
-      if (!file_->read(source.variable, static_cast<std::uint64_t>(c), 1, first, rows,
-                       buffer_.data()))
-        return false;
-      columns.col(c) = buffer_;
-    }
-    return true;
   }
 
   [[nodiscard]] std::vector<std::string> texts(const std::string& name, std::size_t count) {
@@ -192,8 +174,8 @@ class VariablesReader final : public RecordReader {
     settle_geometry(text(geometry_name), text(channel_texts_name), notes_, header_);
     length_ = samples->slow;
     declared_ = static_cast<std::int64_t>(std::max(samples->declared, samples->slow));
-    sources_ = {{static_cast<std::size_t>(samples - all().data()), true, 0,
-                 static_cast<std::size_t>(samples->fast)}};
+    sources_.add(static_cast<std::size_t>(samples - all().data()), true,
+                 static_cast<std::size_t>(samples->fast));
   }
 
   void own_channels(std::uint64_t count) {
@@ -234,13 +216,19 @@ class VariablesReader final : public RecordReader {
     return word.value_or(otherwise);
   }
 
+  static bool holds_several(const Variable& v) {
+    return std::ranges::any_of(v.sizes, [](std::uint64_t size) { return size > 1; });
+  }
+  static bool may_be_samples(const Variable& v) {
+    return v.kind == VariableKind::numbers && !v.is_complex && v.fast * v.slow > 1;
+  }
+
   /// The length that most arrays have, that of the times if there are some.
   [[nodiscard]] std::uint64_t common_length(const Variable* times) const {
     if (times != nullptr) return std::max(times->fast, times->slow);
     std::map<std::uint64_t, std::size_t> lengths;
     for (const Variable& v : all())
-      if (v.kind == VariableKind::numbers && v.fast * v.slow > 1)
-        ++lengths[std::max(v.fast, v.slow)];
+      if (may_be_samples(v)) ++lengths[std::max(v.fast, v.slow)];
     std::uint64_t best = 0;
     for (const auto& [length, times_found] : lengths)
       if (best == 0 || times_found >= lengths[best]) best = length;
@@ -253,20 +241,20 @@ class VariablesReader final : public RecordReader {
       if (times == nullptr && are_times(v)) times = &v;
     length_ = common_length(times);
     for (std::size_t i = 0; i < all().size(); ++i) take_variable(i, times);
-    if (sources_.empty())
+    if (sources_.all().empty())
       notes_.fail("no array of numbers with two samples or more was found in the file");
     require_time_axes(all(), notes_);
     require_one_record(*file_, notes_);
-    find_rate(times, options);
     take_texts();
     take_companions();
+    find_rate(times, options);
     if (!grid_) find_declared();
   }
 
   /// Of a file that was cut off, by what its arrays say.
   void find_declared() {
     std::uint64_t most = length_;
-    for (const Source& source : sources_) {
+    for (const Source& source : sources_.all()) {
       const std::uint64_t lines = all()[source.variable].declared;
       most = std::max(most, lines);
       uneven_ = uneven_ || (lines > 0 && lines < length_);  // of channels, one behind the other
@@ -277,11 +265,12 @@ class VariablesReader final : public RecordReader {
   void take_variable(std::size_t index, const Variable* times) {
     constexpr std::uint64_t most_channels = 10'000;
     const Variable& v = all()[index];
-    if (v.kind == VariableKind::array)
-      notes_.add(fmt::format("'{}' {}: left out", base::printable(v.name),
-                             v.is_complex ? std::string("is complex")
-                                          : fmt::format("has {} dimensions", v.sizes.size())));
-    if (v.kind != VariableKind::numbers || v.fast * v.slow < 2 || &v == times) return;
+    if (v.is_complex && holds_several(v))
+      notes_.add(fmt::format("'{}' {}: left out", base::printable(v.name), complex_words));
+    else if (v.kind == VariableKind::array && !v.is_complex)
+      notes_.add(
+          fmt::format("'{}' has {} dimensions: left out", base::printable(v.name), v.sizes.size()));
+    if (!may_be_samples(v) || &v == times) return;
     const bool slow = v.slow == length_;
     const std::uint64_t channels = slow ? v.fast : v.slow;
     if ((!slow && v.fast != length_) || channels > most_channels) {
@@ -292,10 +281,7 @@ class VariablesReader final : public RecordReader {
       uneven_ = uneven_ || v.declared > 0;
       return;
     }
-    if (v.is_complex)
-      notes_.add(fmt::format("variable '{}' is complex; its imaginary part is left out",
-                             base::printable(v.name)));
-    sources_.push_back({index, slow, header_.channels.size(), static_cast<std::size_t>(channels)});
+    sources_.add(index, slow, static_cast<std::size_t>(channels));
     const bool fit = v.texts.size() == channels, units = fit && (v.unit.empty() || channels > 1);
     if (fit && !v.unit.empty())
       if (const auto other = std::ranges::find_if(v.texts, [&](auto& t) { return t != v.unit; });
@@ -318,10 +304,8 @@ class VariablesReader final : public RecordReader {
 
   /// Names and units from lists of texts that are as long as the channels of the widest array.
   void take_texts() {
-    if (sources_.empty()) return;
-    const Source& widest =
-        *std::max_element(sources_.begin(), sources_.end(),
-                          [](const Source& a, const Source& b) { return a.channels < b.channels; });
+    if (sources_.all().empty()) return;
+    const Source& widest = *std::ranges::max_element(sources_.all(), {}, &Source::channels);
     for (const Variable& v : all()) {
       if (v.kind != VariableKind::texts) continue;
       if (v.texts.size() != widest.channels) {
@@ -345,7 +329,7 @@ class VariablesReader final : public RecordReader {
 
   /// Names and units that stand beside the samples of a source.
   void take_companions() {
-    for (const Source& source : sources_) {
+    for (const Source& source : sources_.all()) {
       const auto [names, units] = texts_beside(all(), all()[source.variable].name, source.channels);
       const bool one_name = names.size() > 1 && std::ranges::count(names, names[0]) ==
                                                     static_cast<std::ptrdiff_t>(names.size());
@@ -364,7 +348,7 @@ class VariablesReader final : public RecordReader {
 
   void find_rate(const Variable* times, const ReadOptions& options) {
     std::vector<std::string> samples;
-    for (const Source& source : sources_) samples.push_back(all()[source.variable].name);
+    for (const Source& source : sources_.all()) samples.push_back(all()[source.variable].name);
     const auto found =
         rates_beside(all(), samples, times == nullptr && !options.sample_rate, notes_);
     std::optional<StatedRate> stated;
@@ -393,7 +377,12 @@ class VariablesReader final : public RecordReader {
           is_start_name(v.name))
         header_.start = v.number * seconds_of(v.unit).value_or(1.0);
     if (stated) header_.sample_rate = stated->rate;
-    if (times != nullptr) return use_times(*times, stated);
+    if (times != nullptr) {
+      times_ = static_cast<std::size_t>(times - all().data());
+      return use_times({times->name, times->unit, seconds_of(times->unit)}, stated);
+    }
+    if (const auto channel = found.empty() ? take_time_channel() : std::nullopt)
+      return use_times(*channel, stated);
     if (!found.empty() && !options.sample_rate && !found[0].has_unit)
       note_assumed_unit(
           fmt::format("'{}' has no unit and is taken for {}", base::printable(found[0].name),
@@ -405,50 +394,68 @@ class VariablesReader final : public RecordReader {
         "rate in Hz with --rate");
   }
 
+  /// What is said of the times, and the factor of their unit if it is known.
+  struct Times {
+    std::string name{}, unit{};
+    std::optional<double> seconds{};
+  };
+
+  /// The first channel with a name of times, as in a table of text: it leaves the record.
+  std::optional<Times> take_time_channel() {
+    auto& channels = header_.channels;
+    for (auto at = channels.begin(); channels.size() > 1 && at != channels.end(); ++at)
+      if (const auto found = named_time(at->unit.empty() ? base::table_title({at->name, 0})
+                                                         : base::TableTitle{at->name, at->unit})) {
+        const Times times{at->name, found->has_unit ? "s" : "", found->factor};
+        sources_.set_times(static_cast<std::size_t>(at - channels.begin()));
+        channels.erase(at);
+        return times;
+      }
+    return {};
+  }
+
   /// Start and rate, and the grid where samples are missing or times scatter.
-  void use_times(const Variable& times, const std::optional<StatedRate>& stated) {
-    times_ = static_cast<std::size_t>(&times - all().data());
-    const auto seconds = seconds_of(times.unit);
-    time_factor_ = seconds.value_or(1.0);
-    bool single = true;  // times of single precision have seven digits
+  void use_times(const Times& times, const std::optional<StatedRate>& stated) {
+    time_factor_ = times.seconds.value_or(1.0);
+    BinaryTimes binary;
     std::vector<double> block;
-    const TimeSource source{
-        [&](const TimeSource::Use& use) {
-          constexpr std::uint64_t most = 4096;
-          for (std::uint64_t at = 0; at < length_; at += most) {
-            block.resize(std::min(most, length_ - at));
-            if (!read_times(at, block)) return;
-            for (const double time : block) {
-              single = single &&
-                       (std::isnan(time) || static_cast<double>(static_cast<float>(time)) == time);
-              use(time, 0);
-            }
-          }
-        },
-        [&single](double time) {
-          constexpr double digits = 1.2e-7;
-          return single ? digits * std::abs(time) : 0.0;
-        }};
+    const TimeSource source{[&](const TimeSource::Use& use) {
+                              constexpr std::uint64_t most = 4096;
+                              for (std::uint64_t at = 0; at < length_; at += most) {
+                                block.resize(std::min(most, length_ - at));
+                                if (!read_times(at, block)) return;
+                                for (const double time : block) {
+                                  binary.take(time);
+                                  use(time, 0);
+                                }
+                              }
+                            },
+                            [&binary](double time) { return binary.resolution(time); }};
     TimeGrid grid = find_time_grid(source, stated, notes_);
     header_.sample_rate = grid.rate;
     header_.start = grid.start;
-    if (!seconds && time_origin_ == 0.0)  // those of a calendar are known by their size
+    if (!times.seconds && time_origin_ == 0.0)  // those of a calendar are known by their size
       notes_.add(fmt::format("the unit \"{}\" of the times '{}' is unknown: taken for s",
                              base::printable(times.unit, 30), base::printable(times.name)));
     if (times.unit.empty() && time_origin_ == 0.0)
       note_assumed_unit(times_taken_for_seconds, grid.rate, length_, state_the_unit("s"), notes_);
     if (grid.complete) return;
     if (grid.resolution)
-      grid.resolution = [digits = single ? 1.2e-7 : 0.0](double t) { return digits * std::abs(t); };
+      grid.resolution = [binary](double time) { return binary.resolution(time); };
     grid_.emplace(grid, static_cast<Eigen::Index>(header_.channels.size()));
   }
 
   /// Times from `first` on, in seconds; those of a calendar since the first one.
   bool read_times(std::uint64_t first, std::vector<double>& out) {
-    if (!read_list(*file_, times_, first, out)) {
-      notes_.add("the times cannot be read");
+    if (!(times_ ? read_list(*file_, *times_, first, out) : sources_.read_times(first, out))) {
+      notes_.add(unreadable_times);
       return false;
     }
+    to_seconds(first, out);
+    return true;
+  }
+
+  void to_seconds(std::uint64_t first, std::vector<double>& out) {
     if (first == 0 && !out.empty() && std::isfinite(out[0])) {
       constexpr double years = 1e8;  // [s]
       time_origin_ = std::abs(out[0]) * time_factor_ > years ? out[0] : 0.0;
@@ -457,14 +464,12 @@ class VariablesReader final : public RecordReader {
       time = (time - time_origin_) * time_factor_;
       if (!std::isfinite(time)) time = std::numeric_limits<double>::quiet_NaN();
     }
-    return true;
   }
 
   std::unique_ptr<VariableFile> file_;
-  std::vector<Source> sources_;
-  std::uint64_t length_{};  ///< samples
-  Samples buffer_;
-  std::size_t times_{};  ///< variable of the times
+  SampleSources sources_{*file_};
+  std::uint64_t length_{};              ///< samples
+  std::optional<std::size_t> times_{};  ///< variable of the times; none: a channel, if there are
   double time_factor_{1.0}, time_origin_{};
   std::optional<GridRows> grid_{};  ///< where the times have gaps or scatter
   // what next_raw() has read ahead

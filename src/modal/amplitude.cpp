@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "hydrapod/base/error.hpp"
 #include "hydrapod/modal/normal_modes.hpp"
 #include "swinging.hpp"
 
@@ -98,16 +99,39 @@ class Balance {
   ModelMatrix shapes_{};
 };
 
+/// Tells how much of the branches is known, a part of 1 for each; throws where it is asked to stop.
+class Told {
+ public:
+  explicit Told(const numerics::Progress& progress) : progress_(progress) {}
+
+  /// The next branch makes the share `from` … `to`.
+  void begin(double from, double to) {
+    from_ = from;
+    to_ = to;
+  }
+  /// `share` of the branch is known.
+  void at(double share) {
+    share_ = std::max(share_, from_ + (to_ - from_) * std::clamp(share, 0.0, 1.0));
+    if (progress_ && progress_(share_)) throw base::ComputationError("interrupted");
+  }
+  void again() { at(0.0); }
+
+ private:
+  const numerics::Progress& progress_;
+  double from_{}, to_{}, share_{};
+};
+
 /// Follows the branch of one mode and notes its points at the amplitudes.
 class Follower {
  public:
   Follower(const Swinging& swinging, const AmplitudeOptions& options,
-           std::span<const double> amplitudes, AmplitudeCurve& curve)
+           std::span<const double> amplitudes, AmplitudeCurve& curve, Told& told)
       : swinging_(swinging),
         options_(options),
         balance_(swinging, options),
         amplitudes_(amplitudes),
-        curve_(curve) {
+        curve_(curve),
+        told_(told) {
     for (const double amplitude : amplitudes) curve.points.push_back({.amplitude = amplitude});
   }
 
@@ -119,8 +143,11 @@ class Follower {
       return;
     }
     curve_.omega = at->omega;
+    const double last =
+        way > 0.0 ? options_.beyond * amplitudes_.back() : amplitudes_.front() / options_.beyond;
     double length = options_.longest_step;
     for (int k = 0; k < options_.most_steps; ++k) {
+      told_.at(std::log(swinging_.amplitude(at->q) / start) / std::log(last / start));
       auto next = step(*at, length);
       if (!next) return end(*at, BranchEnd::stopped);
       if (platform_excess(*next) < 0.0) return end_at_local(*at, length);
@@ -189,6 +216,7 @@ class Follower {
     const auto note = [&](std::size_t k) {
       const double wanted = amplitudes_[k];
       if (!(std::min(first, last) < wanted && wanted <= std::max(first, last))) return;
+      told_.again();
       const auto found = between(
           from, low, high, [&](const Point& at) { return swinging_.amplitude(at.q) - wanted; });
       auto point = described(found ? found->second : at_high);
@@ -230,6 +258,7 @@ class Follower {
   Balance balance_;
   std::span<const double> amplitudes_;
   AmplitudeCurve& curve_;
+  Told& told_;
   int turns_{};
 };
 
@@ -244,11 +273,14 @@ std::vector<const ModeAtAmplitude*> solutions(const AmplitudeCurve& curve) {
 /// Whether all solutions of `one`, of which it has some, are on `other`.
 bool is_part_of(const ModelMatrix& M, const AmplitudeCurve& one, const AmplitudeCurve& other) {
   constexpr double same_omega = 1e-7, same_shape = 0.999;  // far more than balances differ
-  const auto points = solutions(one), others = solutions(other);
+  const auto points = solutions(one);
+  auto others = solutions(other);
+  std::ranges::stable_sort(others, {}, &ModeAtAmplitude::amplitude);
   return !points.empty() && std::ranges::all_of(points, [&](const auto* a) {
-    return std::ranges::any_of(others, [&](const auto* b) {
-      return a->amplitude == b->amplitude &&
-             std::abs(a->omega - b->omega) < same_omega * b->omega &&
+    const auto beside =
+        std::ranges::equal_range(others, a->amplitude, {}, &ModeAtAmplitude::amplitude);
+    return std::ranges::any_of(beside, [&](const auto* b) {
+      return std::abs(a->omega - b->omega) < same_omega * b->omega &&
              std::abs(a->shape.dot(M * b->shape)) > same_shape;
     });
   });
@@ -276,7 +308,8 @@ void leave_out_repeated(const ModelMatrix& M, std::vector<AmplitudeCurve>& curve
 std::vector<AmplitudeCurve> modes_at_amplitudes(const model::Machine& machine,
                                                 const spatial::Pose& X_BP, dynamics::ModelKind kind,
                                                 std::span<const double> amplitudes,
-                                                const AmplitudeOptions& options) {
+                                                const AmplitudeOptions& options,
+                                                const numerics::Progress& progress) {
   if (amplitudes.empty() || !(amplitudes.front() > 0.0) ||
       std::ranges::adjacent_find(amplitudes, std::greater_equal{}) != amplitudes.end())
     throw std::invalid_argument("amplitudes must be above 0 and ascend");
@@ -284,9 +317,11 @@ std::vector<AmplitudeCurve> modes_at_amplitudes(const model::Machine& machine,
   const auto& modes = swinging.modes();
   const auto shares = energy_shares(swinging.linear(), modes.shapes);
   constexpr double small = 1e-3, long_swings = 1e5;  // of the first and the last amplitude
+  constexpr double first_part = 0.7;  // of the work; how many begin at long swings is not yet known
   std::vector<AmplitudeCurve> curves;
+  Told told(progress);
   const auto add = [&](AmplitudeCurve curve, double start, double way) {
-    Follower(swinging, options, amplitudes, curve).follow(start, way);
+    Follower(swinging, options, amplitudes, curve, told).follow(start, way);
     curves.push_back(std::move(curve));
   };
   for (int k = 0; k < modes.size(); ++k) {
@@ -294,13 +329,18 @@ std::vector<AmplitudeCurve> modes_at_amplitudes(const model::Machine& machine,
     if (energy.platform.sum() < options.least_platform || !(modes.omega2[k] > 0.0)) continue;
     AmplitudeCurve curve{.mode = k};
     energy.platform.maxCoeff(&curve.direction);
+    told.begin(first_part * k / modes.size(), first_part * (k + 1) / modes.size());
     add(curve, small * amplitudes.front(), 1.0);
   }
   const std::size_t count = curves.size();
-  for (std::size_t k = 0; k < count; ++k)
-    if (curves[k].end != BranchEnd::beyond)
-      add({.mode = curves[k].mode, .direction = curves[k].direction, .from_long_swings = true},
-          long_swings * amplitudes.back(), -1.0);
+  for (std::size_t k = 0; k < count; ++k) {
+    if (curves[k].end == BranchEnd::beyond) continue;
+    const double part = (1.0 - first_part) / static_cast<double>(count);
+    told.begin(first_part + part * static_cast<double>(k),
+               first_part + part * static_cast<double>(k + 1));
+    add({.mode = curves[k].mode, .direction = curves[k].direction, .from_long_swings = true},
+        long_swings * amplitudes.back(), -1.0);
+  }
   leave_out_repeated(swinging.linear().M, curves);
   return curves;
 }

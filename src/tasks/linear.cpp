@@ -53,9 +53,10 @@ std::optional<modal::ModeTable> modes_without_overrides(const Machine& machine) 
 }
 
 report::ModesAtAmplitudes modes_at_amplitudes(const Machine& machine,
-                                              const std::vector<double>& amplitudes) {
+                                              const std::vector<double>& amplitudes,
+                                              const Progress& progress) {
   return {amplitudes, modal::modes_at_amplitudes(machine.file.machine, machine.pose.X_BP,
-                                                 machine.kind, amplitudes)};
+                                                 machine.kind, amplitudes, {}, progress)};
 }
 
 report::Bode bode(const Machine& machine, const report::BodeOptions& options) {

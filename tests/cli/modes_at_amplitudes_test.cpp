@@ -122,5 +122,13 @@ TEST(ModesAtAmplitudes, WrongUseIsRefused) {
               HasSubstr("needs several amplitudes"));
 }
 
+/// Other programs see how far it is; Ctrl-C is then a wish to stop too (terminal.hpp).
+TEST(ModesAtAmplitudes, SayHowFarTheyAre) {
+  const auto run = run_hydrapod({"modes", heavy_model, "--amplitude", "0.1 mm:1 mm:3"},
+                                {.variables = {{"HYDRAPOD_PROGRESS", "1"}}});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("progress 0."));
+}
+
 }  // namespace
 }  // namespace hydrapod::test

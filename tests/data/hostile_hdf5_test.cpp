@@ -92,6 +92,28 @@ TEST(HostileHdf5, TheByteBeforeAnAttributeNameMayHaveAnyValue) {
   }
 }
 
+/// Then a record of hydrapod looks like one of another program, without roles and a checksum.
+TEST(HostileHdf5, RecordsWithoutTheirAttributesAreSaid) {
+  const test::TemporaryFolder folder;
+  const std::string path = folder / "r.h5";
+  data::Record record;
+  record.header.channels = {{.name = "u", .unit = "N"}, {.name = "y", .unit = "m"}};
+  record.header.sample_rate = 100.0;
+  record.samples = data::Samples::Random(40, 2);
+  data::write_record(path, record, RecordFormat::hdf5);
+  const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  const hid_t root = H5Gopen2(file, "/", H5P_DEFAULT);
+  for (int left = H5Aget_num_attrs(root); left > 0; --left)
+    ASSERT_GE(H5Adelete_by_idx(root, ".", H5_INDEX_NAME, H5_ITER_INC, 0, H5P_DEFAULT), 0);
+  H5Gclose(root);
+  H5Fclose(file);
+  const auto read_again = data::read_record(path, {.sample_rate = 100.0});
+  EXPECT_EQ(read_again.record.samples, record.samples);
+  EXPECT_TRUE(std::ranges::any_of(read_again.notes, [](const auto& note) {
+    return note.message.find("whose mark is damaged") != std::string::npos;
+  }));
+}
+
 /// A byte in 389; the whole file in the long test.
 TEST(HostileHdf5, AnyByteMayBeChanged) {
   if (!data::hdf5_is_read_apart()) GTEST_SKIP() << "the library is called in this process here";

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "exact/guide_ring.hpp"
+#include "hydrapod/base/error.hpp"
 #include "hydrapod/modal/damped_modes.hpp"
 #include "support/symmetric_machine.hpp"
 
@@ -175,6 +176,34 @@ TEST(BranchesOverTheAmplitude, DoNotDependOnTheSteps) {
       EXPECT_NEAR(usual[k].turning[j].amplitude, short_steps[k].turning[j].amplitude,
                   1e-7 * usual[k].turning[j].amplitude);
   }
+}
+
+/// However many amplitudes there are, the work is asked between any two of them.
+TEST(BranchesOverTheAmplitude, CanBeStoppedAndSayHowFarTheyAre) {
+  const auto machine = branching_machine();
+  const auto X_BP = machine.neutral();
+  const std::vector<double> amplitudes{1e-5, 1e-4, 1e-3};
+  std::vector<double> shares;
+  const auto told = modal::modes_at_amplitudes(machine, X_BP, ModelKind::guide, amplitudes, {},
+                                               [&](double share) {
+                                                 shares.push_back(share);
+                                                 return false;
+                                               });
+  const auto silent = modal::modes_at_amplitudes(machine, X_BP, ModelKind::guide, amplitudes);
+  ASSERT_EQ(told.size(), silent.size());
+  for (std::size_t k = 0; k < told.size(); ++k) EXPECT_EQ(told[k].last.omega, silent[k].last.omega);
+  EXPECT_TRUE(std::ranges::is_sorted(shares));
+  EXPECT_GE(shares.front(), 0.0);
+  EXPECT_LE(shares.back(), 1.0);
+  EXPECT_GT(shares.size(), 50U);  // more than one for each branch
+
+  std::vector<double> many;
+  for (int k = 1; k <= 50; ++k) many.push_back(1e-7 * (1.0 + 1e-9 * k));  // within one step
+  std::size_t asked = 0;
+  EXPECT_THROW(modal::modes_at_amplitudes(machine, X_BP, ModelKind::guide, many, {},
+                                          [&](double) { return ++asked == 40; }),
+               base::ComputationError);
+  EXPECT_EQ(asked, 40U);
 }
 
 }  // namespace

@@ -36,6 +36,7 @@
 
 #include "hydrapod/dynamics/linear_model.hpp"
 #include "hydrapod/modal/normal_modes.hpp"
+#include "hydrapod/numerics/parallel.hpp"
 
 namespace hydrapod::modal {
 
@@ -193,12 +194,13 @@ struct AmplitudeCurve {
 
 /// Of every mode that moves the platform (least_platform); then the branches from long swings of
 /// those modes whose branch from small motions does not get behind all amplitudes. `amplitudes` [m]
-/// > 0, ascending. Throws as linear_model() does, and std::invalid_argument for amplitudes that do
-/// not ascend.
+/// > 0, ascending. Throws as linear_model() does, std::invalid_argument for amplitudes that do not
+/// ascend, and base::ComputationError where progress stops.
 std::vector<AmplitudeCurve> modes_at_amplitudes(const model::Machine& machine,
                                                 const spatial::Pose& X_BP, dynamics::ModelKind kind,
                                                 std::span<const double> amplitudes,
-                                                const AmplitudeOptions& options = {});
+                                                const AmplitudeOptions& options = {},
+                                                const numerics::Progress& progress = {});
 
 /// A motion y of any size to begin with, and the amplitude [m] > 0 that it is to have.
 struct SwingStart {

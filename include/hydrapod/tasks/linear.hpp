@@ -39,9 +39,11 @@ report::ModesAtPoses modes_at_poses(const Machine& machine,
                                     const std::vector<model::NamedPose>& poses);
 
 /// Modes at amplitudes [m] of the platform joint that moves most, by harmonic balance. Throws
-/// std::invalid_argument for amplitudes that are not above 0 or do not ascend.
+/// std::invalid_argument for amplitudes that are not above 0 or do not ascend, and
+/// base::ComputationError where progress stops.
 report::ModesAtAmplitudes modes_at_amplitudes(const Machine& machine,
-                                              const std::vector<double>& amplitudes);
+                                              const std::vector<double>& amplitudes,
+                                              const Progress& progress = {});
 
 struct SystemOptions {
   bool closed{true};  ///< false: without the controller, the valves held
