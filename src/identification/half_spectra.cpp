@@ -137,7 +137,9 @@ VectorXd squared_cosine(Index L) {
   return turn.cos().square();
 }
 
-void warn_of_ends(const ExcitationEnds& ends, double spacing, FrequencyResponses& all) {
+/// `highest`: [Hz] above which lines are not used anyway.
+void warn_of_ends(ExcitationEnds ends, double spacing, double highest, FrequencyResponses& all) {
+  if (static_cast<double>(ends.last) * spacing > highest) ends.upper_step = 0.0;
   const double step = std::max(std::abs(ends.lower_step), std::abs(ends.upper_step));
   if (step == 0.0) return;
   const double decibels = 10.0 / std::numbers::ln10;
@@ -202,7 +204,7 @@ FrequencyResponses half_spectra(const CrossSpectra& spectra, const std::vector<i
   for (const auto& tone : options.wandering) leave_out_wandering(spectra, living, tone, S, all);
   const auto ends = excitation_ends(S);
   continue_beyond(ends, S);
-  warn_of_ends(ends, spectra.frequency(1), all);
+  warn_of_ends(ends, spectra.frequency(1), options.below_nyquist * spectra.sample_rate, all);
   const auto references = choose_references(S, options.most_references);
   for (const int i : references) all.inputs.push_back(all.outputs[static_cast<std::size_t>(i)]);
   const VectorXd window = lag_taper(spectra.window);

@@ -194,7 +194,8 @@ std::string excited_text(const data::ResponseWarning& w) {
                               : w.lowest > 0.0 ? fmt::format("{:.4g} Hz", w.lowest)
                                                : fmt::format("{:.4g} Hz", w.highest);
     return fmt::format(
-        "what excites the outputs ends sharply at {}, where their spectra have a step of {:.0f} "
+        "what excites the outputs, or a filter, ends sharply at {}, where their spectra have a "
+        "step of {:.0f} "
         "dB: "
         "modes {} cannot be identified",
         where, w.value,

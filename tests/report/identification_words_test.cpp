@@ -183,7 +183,8 @@ TEST(IdentificationWords, SayWhereTheExcitationOfOutputsEnds) {
                                 .highest = 20.04,
                                 .estimator = data::Estimator::half_spectra};
   EXPECT_EQ(warning_text(warning),
-            "what excites the outputs ends sharply at 2.013 Hz and 20.04 Hz, where their spectra "
+            "what excites the outputs, or a filter, ends sharply at 2.013 Hz and 20.04 Hz, where "
+            "their spectra "
             "have a step of 24 dB: modes elsewhere cannot be identified");
   warning.lowest = 0.0;
   EXPECT_THAT(warning_text(warning), HasSubstr("at 20.04 Hz, where their spectra have a step of 24 "
