@@ -27,6 +27,14 @@ bool is_diagonal(const ModelMatrix& A) {
   return true;
 }
 
+/// A z; a complex A would take twice the work.
+ComplexVector times(const ModelMatrix& A, const ComplexVector& z) {
+  ComplexVector product(A.rows());
+  product.real() = A * z.real();
+  product.imag() = A * z.imag();
+  return product;
+}
+
 DampedMode real_mode(const NormalModes& modes, int k, double gamma) {
   DampedMode mode{.omega = modes.omega(k), .real = modes.shapes.col(k), .group = modes.group[k]};
   mode.imaginary = ModelVector::Zero(mode.real.size());
@@ -189,8 +197,7 @@ class PoleSolver {
         return;
       }
     }
-    poles_.push_back(
-        {.value = scale * value, .shape = modes_.shapes.cast<Complex>() * (z / z.norm())});
+    poles_.push_back({.value = scale * value, .shape = times(modes_.shapes, z / z.norm())});
   }
 
   void add_real(double value, const Eigen::VectorXd& z) {
@@ -204,7 +211,7 @@ class PoleSolver {
 
 /// |aᴴ M b|: 1 for equal shapes, both normalised.
 double likeness(const ModelMatrix& M, const ComplexVector& a, const ComplexVector& b) {
-  return std::abs(a.dot(M.cast<Complex>() * b));
+  return std::abs(a.dot(times(M, b)));
 }
 
 /// The unused real pole of the other kind whose shape is most like that of pole `k`; −1 if there is
@@ -304,7 +311,9 @@ void make_canonical(const ModelMatrix& M, std::vector<DampedMode>& modes, size_t
     B.col(static_cast<Eigen::Index>(k)) =
         modes[first + k].real.cast<Complex>() +
         Complex(0, 1) * modes[first + k].imaginary.cast<Complex>();
-  const ComplexMatrix gram = B.adjoint() * M.cast<Complex>() * B;  // equal poles leave any basis
+  ComplexMatrix M_B(B.rows(), B.cols());
+  for (Eigen::Index k = 0; k < B.cols(); ++k) M_B.col(k) = times(M, B.col(k));
+  const ComplexMatrix gram = B.adjoint() * M_B;  // equal poles leave any basis
   const ComplexMatrix upper = Eigen::LLT<ComplexMatrix>(gram).matrixU();
   B = upper.triangularView<Eigen::Upper>().solve<Eigen::OnTheRight>(B).eval();
   B = (B * canonical_rotation(M.diagonal(), B)).eval();

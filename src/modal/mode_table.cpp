@@ -62,9 +62,8 @@ TabledMode tabled(const LinearModel& model, const DampedMode& mode) {
   return entry;
 }
 
-/// φᵀ M ψ squared, for complex shapes its mean over a period.
-double likeness(const LinearModel& model, const ModelVector& normal, const DampedMode& mode) {
-  const ModelVector momentum = model.M * normal;
+/// φᵀ M ψ squared, for complex shapes its mean over a period; `momentum`: M φ.
+double likeness(const ModelVector& momentum, const DampedMode& mode) {
   return std::pow(momentum.dot(mode.real), 2) + std::pow(momentum.dot(mode.imaginary), 2);
 }
 
@@ -75,10 +74,10 @@ AnalysedModel analyse(const model::Machine& machine, const spatial::Pose& X_BP,
   for (const auto& mode : damped_modes(result.linear, result.normal, ratio))
     result.modes.push_back(tabled(result.linear, mode));
   for (int k = 0; k < result.normal.size(); ++k) {
-    const ModelVector shape = result.normal.shapes.col(k);
+    const ModelVector momentum = result.linear.M * result.normal.shapes.col(k);
     const auto most_alike = std::max_element(
         result.modes.begin(), result.modes.end(), [&](const TabledMode& a, const TabledMode& b) {
-          return likeness(result.linear, shape, a.mode) < likeness(result.linear, shape, b.mode);
+          return likeness(momentum, a.mode) < likeness(momentum, b.mode);
         });
     result.tabled_of_normal.push_back(static_cast<int>(most_alike - result.modes.begin()));
   }
@@ -206,9 +205,10 @@ struct Likeness {
 std::vector<int> match_modes(const AnalysedModel& now, const AnalysedModel& before) {
   std::vector<Likeness> pairs;
   for (int b = 0; b < static_cast<int>(before.modes.size()); ++b) {
-    const ModelVector shape = in_coordinates(before.modes[b].mode.real, before.linear, now.linear);
+    const ModelVector momentum =
+        now.linear.M * in_coordinates(before.modes[b].mode.real, before.linear, now.linear);
     for (int n = 0; n < static_cast<int>(now.modes.size()); ++n)
-      pairs.push_back({likeness(now.linear, shape, now.modes[n].mode), n, b});
+      pairs.push_back({likeness(momentum, now.modes[n].mode), n, b});
   }
   std::stable_sort(pairs.begin(), pairs.end(),
                    [](const Likeness& a, const Likeness& b) { return a.value > b.value; });

@@ -13,4 +13,9 @@ void eliminate(const ResponseModel& model, std::span<const double> omega, std::s
 void eliminate_relaxing(const ResponseModel& model, std::span<const double> omega,
                         std::span<Matrix6c> out);
 
+/// The same where dampers and modal ratios couple all coordinates, `C` being the whole damping
+/// matrix. Returns the lines at which a pivot came near zero: they need another method.
+std::vector<std::size_t> eliminate_whole(const ResponseModel& model, const ModelMatrix& C,
+                                         std::span<const double> omega, std::span<Matrix6c> out);
+
 }  // namespace hydrapod::response

@@ -201,7 +201,7 @@ ModelMatrix damping_matrix(const ResponseModel& model) {
 
 Method best_method(const ResponseModel& model) {
   if (model.C.isZero(0.0) && model.arms.empty()) return Method::modes;
-  return model.modal_ratio == 0.0 && model.base_count == 0 ? Method::elimination : Method::dense;
+  return model.modal_ratio == 0.0 && model.base_count == 0 ? Method::elimination : Method::whole;
 }
 
 std::vector<Matrix6c> frequency_response(const ResponseModel& model, std::span<const double> omega,
@@ -224,6 +224,9 @@ std::vector<Matrix6c> frequency_response(const ResponseModel& model, std::span<c
     for (size_t i = 0; i < H.size(); ++i)
       if (!is_finite(H[i])) dense(model, omega.subspan(i, 1), {&H[i], 1});
   }
+  if (chosen == Method::whole)
+    for (const size_t i : eliminate_whole(model, damping_matrix(model), omega, H))
+      dense(model, omega.subspan(i, 1), {&H[i], 1});
   if (output != Output::displacement)
     for (size_t i = 0; i < H.size(); ++i) H[i] *= output_factor(output, omega[i]);
   return H;

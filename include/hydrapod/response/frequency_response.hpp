@@ -18,15 +18,16 @@
 /// Modes of the payload (docs/theory/payload.md) couple to the platform alone. The elimination
 /// takes them out of its 6×6 block as it does a leg.
 ///
-/// Three exact ways to the same numbers:
+/// Four exact ways to the same numbers:
 /// - modes: H = Σ φφᵀ / (ω_k² − ω² + 2iζω_kω), where no viscous damper couples the modes;
 /// - elimination: D = K − ω²M + iωC has one small flexible block per leg; those are eliminated
 ///   first, which leaves one 6×6 complex symmetric solve per frequency. Several frequencies go
 ///   through together, one per SIMD lane. No pivoting: where a pivot vanishes (an undamped leg
 ///   exactly at its own resonance) the frequency is done again by the dense way;
-/// - dense: LU with pivoting, for modal ratios together with viscous dampers, for viscous dampers
-/// on
-///   a base with coordinates, which couples the legs too, and to check the others.
+/// - whole: the same elimination without regard to legs, for modal ratios together with viscous
+///   dampers, and for viscous dampers on a base with coordinates: both couple the legs. Frequencies
+///   at which a pivot comes near zero are done again by the dense way;
+/// - dense: LU with pivoting, to check the others.
 ///
 /// Resonance peaks of the direct responses H_dd (force in a direction, motion in the same
 /// direction).
@@ -63,7 +64,7 @@ using spatial::Vector3;
 
 enum class Input { wrench, actuator };
 enum class Output { displacement, velocity, acceleration };
-enum class Method { modes, elimination, dense };
+enum class Method { modes, elimination, whole, dense };
 
 /// A linear model with its platform coordinates moved to Q, ready to be swept.
 struct ResponseModel {
