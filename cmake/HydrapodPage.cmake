@@ -18,7 +18,7 @@ add_custom_command(OUTPUT ${hydrapod_page}
     -D source=${CMAKE_CURRENT_SOURCE_DIR}/web -D folder=${CMAKE_CURRENT_BINARY_DIR}/web
     -D page=${hydrapod_page}
     -P ${CMAKE_CURRENT_SOURCE_DIR}/cmake/build_page.cmake
-  DEPENDS ${web_sources} web/build.mjs web/core/hydrapod.wasm web/core/NOTICES.txt web/package.json web/package-lock.json web/.npmrc
+  DEPENDS ${web_sources} web/build.mjs web/shaders.mjs web/core/hydrapod.wasm web/core/NOTICES.txt web/package.json web/package-lock.json web/.npmrc
     cmake/build_page.cmake
   COMMENT "Bundling the report's page"
   VERBATIM)

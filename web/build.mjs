@@ -11,6 +11,7 @@ import { createRequire } from 'node:module';
 import { dirname, join, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { gzipSync } from 'node:zlib';
+import { withoutOtherShaders } from './shaders.mjs';
 
 const source = join(dirname(fileURLToPath(import.meta.url)), 'src');
 const modules = resolve('node_modules');
@@ -47,6 +48,15 @@ const worker = {
     build.onLoad({ filter: /.*/, namespace: 'worker' }, async () => ({
       contents: await bundle('core/worker.ts'),
       loader: 'text',
+    }));
+  },
+};
+
+const shaders = {
+  name: 'shaders',
+  setup(build) {
+    build.onLoad({ filter: /three\.module\.js$/ }, ({ path }) => ({
+      contents: withoutOtherShaders(readFileSync(path, 'utf8')),
     }));
   },
 };
@@ -112,6 +122,6 @@ function cpp(text) {
 
 const output = process.argv[2];
 if (!output) throw new Error('usage: node build.mjs OUTPUT.html|OUTPUT.cpp');
-const [script, style] = await Promise.all([bundle('main.ts', [worker]), bundle('style/main.css')]);
+const [script, style] = await Promise.all([bundle('main.ts', [worker, shaders]), bundle('style/main.css')]);
 const html = page(script.trim(), style.trim());
 writeFileSync(output, output.endsWith('.cpp') ? cpp(html) : html);

@@ -6,6 +6,7 @@
 
 #include "fields.hpp"
 #include "geometry_json.hpp"
+#include "hydrapod/base/units.hpp"
 #include "hydrapod/report/model_results.hpp"
 
 namespace hydrapod::report {
@@ -61,6 +62,31 @@ Json pose_report(const model::Machine& machine, const model::NamedPose& pose,
     if (Json bode = bode_section(table, machine, points); !bode.is_null())
       json["bode"] = std::move(bode);
   return json;
+}
+
+namespace {
+
+Json brief_modes(const std::vector<modal::TabledMode>& modes) {
+  Json list = Json::array();
+  for (const auto& entry : modes) {
+    Json mode{{"number", list.size() + 1},
+              {"frequency_hz", entry.mode.omega / base::two_pi},
+              {"stable", entry.mode.stable},
+              {"platform_energy", written(entry.energy.platform)}};
+    if (entry.rigid) mode["rigid"] = {{"mode", entry.rigid->mode + 1}, {"mac", entry.rigid->mac}};
+    list.push_back(std::move(mode));
+  }
+  return list;
+}
+
+}  // namespace
+
+Json brief_pose_report(const model::NamedPose& pose, const modal::ModeTable& table) {
+  return {{"pose", {{"name", pose.name}}},
+          {"answer", answer_json(table)},
+          {"model", dynamics::name(table.kind)},
+          {"modes", brief_modes(table.real.modes)},
+          {"rigid_modes", brief_modes(table.rigid.modes)}};
 }
 
 }  // namespace hydrapod::report

@@ -10,4 +10,8 @@ namespace hydrapod::report {
 Json pose_report(const model::Machine& machine, const model::NamedPose& pose,
                  const modal::ModeTable& table, int points);
 
+/// What a comparison of frequencies needs of it, while a value is dragged: neither shapes nor
+/// geometry.
+Json brief_pose_report(const model::NamedPose& pose, const modal::ModeTable& table);
+
 }  // namespace hydrapod::report

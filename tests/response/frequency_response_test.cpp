@@ -1,4 +1,4 @@
-/// Frequency responses: three ways to the same numbers, and what physics demands of them.
+/// Frequency responses: four ways to the same numbers, and what physics demands of them.
 
 #include "hydrapod/response/frequency_response.hpp"
 

@@ -283,6 +283,29 @@ test('downloads: SVG, PNG, CSV and JSON', async () => {
   });
 });
 
+test('the CSV file says of which pose and of which changed values it is', async () => {
+  const heavy = model('heavy-platform.toml');
+  await withPage(report(heavy, '--pose', 'neutral', '--pose', 'low'), still, async (page) => {
+    const comments = async () => {
+      const lines = (await saved(page, 'csv')).content.toString().split('\n');
+      const first = lines.findIndex((line) => !line.startsWith('#'));
+      assert.match(lines[first], /^frequency_hz,/);
+      return lines.slice(0, first);
+    };
+    assert.deepEqual(await comments(), ['# pose neutral']);
+    await page.locator('[data-pose="1"]').click();
+    await page.evaluate(() => window.hydrapod.bode.ready);
+    await page.evaluate(async () => {
+      const { bode, whatIf } = window.hydrapod;
+      await whatIf.ready;
+      whatIf.replace([['platform.mass', 9000], ['legs.rod.mass', 50]]);
+      await whatIf.shown();
+      await bode.ready;
+    });
+    assert.deepEqual(await comments(), ['# pose low', '# platform.mass 9 t (report: 14 t)', '# legs.rod.mass 50 kg (report: 23 kg)']);
+  });
+});
+
 test('a machine without stable modes has no curves, and none of another machine stay', async () => {
   const words = [model('heavy-platform.toml')];
   await withPage(report(...words), still, async (page) => {

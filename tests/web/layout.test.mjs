@@ -2,17 +2,24 @@
 import assert from 'node:assert/strict';
 import { writeFileSync } from 'node:fs';
 import { test } from 'node:test';
-import { damped, model, published, report, hydrapod, still, temporary, withPage } from './support.mjs';
+import { damped, model, published, report, hydrapod, still, temporary, withKeptPage, withPage } from './support.mjs';
 
 const widths = [360, 768, 1400, 2560, 3840];
 
-/** Sections that calculate have done so: their tables and diagrams have numbers. */
+/** Sections that calculate show what they have: coarse maps and a quarter of the samples look like all of them. */
 const calculated = (page) =>
   page.evaluate(async () => {
     const { bode, whatIf, workspace, scatter, identification } = window.hydrapod;
     for (const part of [bode, whatIf, workspace, scatter, identification]) await part?.ready;
-    await workspace?.complete();
-    await scatter?.complete();
+    const shown = () => document.querySelector('#workspace.calculated') && scatter.rows().length >= 250;
+    while (workspace && !shown()) await new Promise((resolve) => setTimeout(resolve, 10));
+  });
+
+/** They have calculated all of it. */
+const completed = (page) =>
+  page.evaluate(async () => {
+    await window.hydrapod.workspace.complete();
+    await window.hydrapod.scatter.complete();
   });
 
 /** What is wrong with the layout of the page as it stands, in words. */
@@ -83,6 +90,7 @@ for (const [name, of] of Object.entries(kinds))
       const options = { ...still, viewport: { width, height: 900 }, ...(width < 500 ? { hasTouch: true, isMobile: true } : {}) };
       await withPage(report(...of()), options, async (page) => {
         await calculated(page);
+        if (width === 768) await completed(page);
         assert.deepEqual(await faults(page), []);
         const fold = page.locator('[data-control="fold"]');
         if ((await fold.count()) > 0) await fold.click();
@@ -100,7 +108,7 @@ for (const [name, of] of Object.entries(kinds))
 
 test('on paper all sections fit the width, and nothing is folded', async () => {
   const paper = 688; // px of the text on A4 with the margins of the page
-  await withPage(report(...everything()), { ...still, viewport: { width: 2560, height: 900 } }, async (page) => {
+  await withKeptPage(report(...everything()), { ...still, viewport: { width: 2560, height: 1400 } }, async (page) => {
     await calculated(page);
     await page.evaluate(() => dispatchEvent(new Event('beforeprint'))); // as a browser does before it prints
     await page.emulateMedia({ media: 'print' });
@@ -143,7 +151,7 @@ test('printed tables go on with their heads, and printed pages say what they are
 });
 
 test('what was asked for comes first', async () => {
-  await withPage(report(...everything()), { ...still, viewport: { width: 1400, height: 900 } }, async (page) => {
+  await withKeptPage(report(...everything()), { ...still, viewport: { width: 1400, height: 900 } }, async (page) => {
     const order = await page.locator('#main > section').evaluateAll((all) => all.map((e) => e.id));
     const asked = ['diagnosis', 'identification', 'comparison', 'mechanism'];
     assert.deepEqual(order.filter((id) => asked.includes(id)), asked);
@@ -165,7 +173,7 @@ const contrast = (a, b) => {
 };
 
 test('paper is light, also of a dark page', async () => {
-  await withPage(report(...everything()), { ...still, colorScheme: 'dark', viewport: { width: 1400, height: 900 } }, async (page) => {
+  await withKeptPage(report(...everything()), { ...still, colorScheme: 'dark', viewport: { width: 1400, height: 900 } }, async (page) => {
     await calculated(page);
     /** Most frequent colour of the lines of each diagram: that of its grid. */
     const grids = () =>
@@ -207,7 +215,7 @@ test('paper is light, also of a dark page', async () => {
 });
 
 test('fields look alike in the dark, and what they suggest can be read', async () => {
-  await withPage(report(...everything()), { ...still, colorScheme: 'dark', viewport: { width: 1400, height: 900 } }, async (page) => {
+  await withKeptPage(report(...everything()), { ...still, colorScheme: 'dark', viewport: { width: 1400, height: 900 } }, async (page) => {
     await calculated(page);
     const fields = await page.evaluate(() =>
       [...document.querySelectorAll('input:not([type="range"], [type="checkbox"], [type="file"]), select')].filter((e) => e.checkVisibility()).map((e) => {
@@ -254,7 +262,7 @@ async function standInColumns(page, number) {
 
 for (const [width, number] of [[2560, 2], [3840, 3]])
   test(`a window of ${width} px: ${number} columns of sections from edge to edge, without gaps`, async () => {
-    await withPage(report(...everything()), { ...still, viewport: { width, height: 1400 } }, async (page) => {
+    await withKeptPage(report(...everything()), { ...still, viewport: { width, height: 1400 } }, async (page) => {
       await calculated(page);
       const all = await standInColumns(page, number);
       const used = Math.max(...all.map(({ right }) => right)) - Math.min(...all.map(({ left }) => left));
@@ -275,7 +283,7 @@ for (const [width, number] of [[2560, 2], [3840, 3]])
   });
 
 test('no section ends with an empty part, and things that belong together stand side by side', async () => {
-  await withPage(report(...everything()), { ...still, viewport: { width: 1400, height: 900 } }, async (page) => {
+  await withKeptPage(report(...everything()), { ...still, viewport: { width: 1400, height: 900 } }, async (page) => {
     await calculated(page);
     const empty = await page.evaluate(() =>
       [...document.querySelectorAll('main > section')].filter((e) => e.checkVisibility()).flatMap((section) => {

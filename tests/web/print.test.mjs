@@ -17,11 +17,13 @@ const end = async (page) => {
 
 const change = (page, ...values) =>
   page.evaluate(async (all) => {
-    const { whatIf, bode } = window.hydrapod;
+    const { whatIf, bode, workspace } = window.hydrapod;
     await whatIf.ready;
     whatIf.replace(all);
     await whatIf.shown();
     await bode.ready;
+    await workspace.ready;
+    await workspace.complete();
   }, values);
 
 const printed = (page, selector) => page.locator(selector).innerText();
@@ -43,7 +45,7 @@ const holding = `
 `;
 
 test('the map is there without scrolling; what is not ready says so on paper', async () => {
-  await withPage(twoPoses(), { ...still, launch: holding }, async (page) => {
+  await withPage(twoPoses(), { ...still, launch: holding, idle: true }, async (page) => {
     await page.waitForFunction(() => document.querySelector('#workspace.calculated'));
     assert.equal(await page.evaluate(() => scrollY), 0);
     await page.evaluate(() => window.hydrapod.workspace.complete());
@@ -71,6 +73,7 @@ test('the map is there without scrolling; what is not ready says so on paper', a
 
 test('a print with changed values is one of the machine that is shown, and lists them', async () => {
   await withPage(twoPoses(), still, async (page) => {
+    await change(page); // nothing; the map is there
     await begin(page);
     const before = await printed(page, '#report');
     const name = await footer(page);
@@ -78,8 +81,8 @@ test('a print with changed values is one of the machine that is shown, and lists
     await end(page);
     await change(page, ['platform.mass', 9000], ['legs.rod.mass', 50]);
     await begin(page);
-    assert.match(await printed(page, '.top'), /Machine: nominal, with 2 changed values/);
-    assert.match(await footer(page), /nominal, with 2 changed values/);
+    assert.match(await printed(page, '.top'), /Machine: nominal, with 2 changed values; pose neutral/);
+    assert.match(await footer(page), /nominal, with 2 changed values · pose neutral · hydrapod/);
     assert.deepEqual(await page.locator('#answer .changes li:visible').allInnerTexts(), [
       'platform.mass 9 t (report: 14 t)',
       'legs.rod.mass 50 kg (report: 23 kg)',
@@ -115,6 +118,8 @@ test('a print of several poses names the pose, and has the lowest modes of all',
     await begin(page);
     for (const id of ['modes', 'check', 'bode', 'workspace']) assert.match(await printed(page, `#${id}-title`), /: pose low$/);
     assert.match(await printed(page, '#answer'), /At the pose low: Lowest mode/);
+    assert.match(await printed(page, '.top'), /Machine: nominal; pose low\n/);
+    assert.match(await footer(page), /nominal · pose low · hydrapod/);
     const rows = await page.locator('.poses-table tbody tr').allInnerTexts();
     const answers = await page.evaluate(() => window.hydrapod.report.poses.map(({ pose, answer }) => [pose.name, answer]));
     assert.deepEqual(
@@ -130,7 +135,19 @@ test('one pose: no heading and no table names it', async () => {
     await begin(page);
     assert.equal(await printed(page, '#modes-title'), 'Modes');
     assert.equal(await page.locator('.poses-table').count(), 0);
+    assert.doesNotMatch(await printed(page, '.top') + (await footer(page)), /pose/);
     await end(page);
+    await page.evaluate(async () => {
+      const { whatIf, workspace } = window.hydrapod;
+      await whatIf.ready;
+      workspace.displace([0.02, 0, 0, 0, 0, 0]);
+      await whatIf.shown();
+    });
+    await begin(page);
+    assert.match(await printed(page, '.top'), /; pose x=20 mm\n/);
+    assert.match(await footer(page), / · pose x=20 mm · hydrapod/);
+    await end(page);
+    assert.doesNotMatch(await printed(page, '.top'), /pose/, 'on the screen other parts say it');
   });
 });
 
@@ -176,5 +193,7 @@ test('long names do not fill the foot of the page', async () => {
     const [, text] = /content: "(.*?)";/.exec(await footer(page));
     assert.ok(text.startsWith('Hydraulic motion platform of the flight') && text.length < 150, text);
     assert.match(text, /… · nominal, with .*… · hydrapod \d.* · \d{4}-\d\d-\d\d$/);
+    await change(page, ['platform.mass', 900]);
+    assert.match(await footer(page), / · nominal, with .*…, with 1 changed value · hydrapod/);
   });
 });

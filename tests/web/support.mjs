@@ -21,6 +21,9 @@ const require = createRequire(join(HYDRAPOD_WEB, 'package.json'));
 const { chromium } = require('playwright-core');
 export const moduleText = (name) => readFileSync(require.resolve(name), 'utf8');
 
+/** How long anything may take on a machine with other work to do [ms]. */
+const patience = 120000;
+
 const folder = mkdtempSync(join(tmpdir(), 'hydrapod-web-'));
 let browser;
 
@@ -28,6 +31,7 @@ before(async () => {
   browser = await chromium.launch({
     executablePath: HYDRAPOD_CHROMIUM ?? '/usr/bin/chromium',
     headless: true,
+    timeout: patience,
     args: [
       '--no-sandbox',
       '--use-angle=swiftshader',
@@ -237,9 +241,6 @@ export const damped = [
   'damping.modal_ratio=0.003',
 ];
 
-/** How long anything may take on a machine with other work to do [ms]. */
-const patience = 120000;
-
 /** One for all pages with the same options: they share nothing but the disk, and a context takes time. */
 const contexts = new Map();
 async function contextOf(options) {
@@ -258,20 +259,26 @@ export const open = (file, options = {}) => {
   return openAt(address, (url) => url === address, options);
 };
 
-/** The same of an address; `own` tells which requests the page may make. */
+/**
+ * The same of an address; `own` tells which requests the page may make. Of the options, `launch` is a script that runs
+ * before those of the page; `expected` matches the errors that the test causes, whenever they come; with `idle` the
+ * page also begins by itself what it calculates when it has nothing else to do: a second or more for each page.
+ */
 export async function openAt(address, own, options = {}) {
-  const { launch, ...context } = options;
+  const { launch, expected, idle, ...context } = options;
   const page = await (await contextOf(context)).newPage();
   page.setDefaultTimeout(patience);
   page.problems = [];
-  page.on('console', (message) => {
-    if (message.type() === 'error') page.problems.push(message.text());
-  });
-  page.on('pageerror', (error) => page.problems.push(String(error)));
+  const note = (text) => {
+    if (!expected?.test(text)) page.problems.push(text);
+  };
+  page.on('console', (message) => message.type() === 'error' && note(message.text()));
+  page.on('pageerror', (error) => note(String(error)));
   page.on('request', (request) => {
     const url = request.url();
-    if (!own(url) && !/^(data|blob):/.test(url)) page.problems.push(`request to ${url}`);
+    if (!own(url) && !/^(data|blob):/.test(url)) note(`request to ${url}`);
   });
+  if (!idle) await page.addInitScript('window.requestIdleCallback = () => 0;');
   if (launch) await page.addInitScript(launch);
   await page.goto(address);
   await page.waitForFunction(
@@ -327,11 +334,12 @@ export async function withKeptPage(file, options, body) {
 /** For tests that are not about the moving machine: it stands still, as somebody may ask of all pages. */
 export const still = { reducedMotion: 'reduce' };
 
-/** axe's findings on the page as it stands. */
-export async function findings(page) {
-  await page.evaluate(moduleText('axe-core'));
-  const { violations } = await page.evaluate(() =>
-    window.axe.run(document, { resultTypes: ['violations'] }),
+/** axe's findings on the page as it stands; `rules`: only those of these. */
+export async function findings(page, rules = null) {
+  if (!(await page.evaluate(() => window.axe))) await page.evaluate(moduleText('axe-core'));
+  const { violations } = await page.evaluate(
+    (rules) => window.axe.run(document, { resultTypes: ['violations'], ...(rules ? { runOnly: rules } : {}) }),
+    rules,
   );
   return violations.map(
     (v) =>
@@ -340,6 +348,18 @@ export async function findings(page) {
         .slice(0, 5)
         .join('; ')}`,
   );
+}
+
+/**
+ * axe's findings in the light and in the dark: what the colours do not change is looked at once. And the page is not
+ * wider than its window.
+ */
+export async function isAccessible(page) {
+  await page.emulateMedia({ colorScheme: 'dark' });
+  assert.deepEqual(await findings(page, ['color-contrast']), [], 'dark');
+  await page.emulateMedia({ colorScheme: 'light' });
+  assert.deepEqual(await findings(page), [], 'light');
+  assert.ok((await overflow(page)) <= 0, 'nothing overflows');
 }
 
 /** By how much the page is wider than its window [px]. */

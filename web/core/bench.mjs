@@ -1,5 +1,5 @@
-// How long a recalculation takes, from values to JSON and 2000 Bode lines, and the fit of poles to 2000 lines of
-// measured responses, 6 × 6:
+// How long a recalculation takes while a value is dragged, from values to JSON and 2000 Bode lines, and the fit of poles
+// to 2000 lines of measured responses, 6 × 6:
 //
 //     node web/core/bench.mjs REPORT.html [COUNT]
 //
@@ -28,7 +28,7 @@ const cpu = process.cpuUsage();
 for (let k = 0; k < Number(count); ++k) {
   const begin = performance.now();
   const set = [['legs.guide_sleeve.stiffness', stiffness * (1 + 1e-4 * k)]];
-  const text = call('core_compute', { set, pose: 0, points: 0 });
+  const text = call('core_compute', { set, pose: 0, brief: true });
   const computed = performance.now();
   JSON.parse(text);
   const parsed = performance.now();

@@ -211,10 +211,13 @@ Json Core::compute(const Json& request) {
   if (has_error(findings)) return json;
   try {
     const auto table = modal::mode_table(machine, shown.X_BP, kind_);
-    json["pose"] = report::pose_report(machine, shown, table, request.at("points").get<int>());
+    const bool brief = request.value("brief", false);
+    json["pose"] =
+        brief ? report::brief_pose_report(shown, table)
+              : report::pose_report(machine, shown, table, request.at("points").get<int>());
     const auto& p_PC = machine.platform.mass_center;
-    swept_.emplace(
-        Swept{responses_at(table.real, table, p_PC), responses_at(table.rigid, table, p_PC)});
+    swept_.emplace(Swept{responses_at(table.real, table, p_PC),
+                         responses_at(table.rigid, table, p_PC), brief});
   } catch (const base::ComputationError& error) {
     json["problem"] = error.what();
   }
@@ -224,8 +227,14 @@ Json Core::compute(const Json& request) {
 std::vector<double> Core::sweep(const std::vector<double>& omega) const {
   std::vector<double> numbers;
   if (!swept_) return numbers;
-  for (const auto* model : {&swept_->real, &swept_->rigid})
-    add_responses(response::frequency_response(*model, omega), numbers);
+  numbers.reserve((swept_->direct ? 24 : 144) * omega.size());
+  for (const auto* model : {&swept_->real, &swept_->rigid}) {
+    const auto H = response::frequency_response(*model, omega);
+    if (swept_->direct)
+      add_direct_responses(H, numbers);
+    else
+      add_responses(H, numbers);
+  }
   return numbers;
 }
 

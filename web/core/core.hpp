@@ -40,11 +40,13 @@ class Core {
   /// What editable_json() calls `shown` counts the poses; instead of one, `"displaced": [x, …, rz]`
   /// is a displacement from the neutral pose [m, rad], as of `--pose`. The answer has `findings`,
   /// those of the changed machine, and, where none of them is an error, `pose`: as report_json()
-  /// has it; or `problem`, why there are no modes.
+  /// has it; or `problem`, why there are no modes. With `"brief": true` instead of `points`, `pose`
+  /// is that of brief_pose_report(), and sweep() gives direct responses.
   Json compute(const Json& request);
 
   /// Responses of the machine of the last compute() to a wrench at the platform's mass centre,
-  /// flexible then rigid legs, each by line, output and input: re, im. Nothing without modes.
+  /// flexible then rigid legs, each by line, output and input: re, im; direct responses by line and
+  /// direction. Nothing without modes.
   std::vector<double> sweep(const std::vector<double>& omega) const;
 
   /// `{ "set", "pose" or "displaced", "from", "to", "points" }`: see bode_curves(). Throws
@@ -83,6 +85,7 @@ class Core {
   };
   struct Swept {
     response::ResponseModel real{}, rigid{};
+    bool direct{};  ///< the direct responses alone are asked for
   };
 
   [[nodiscard]] model::Machine changed(const Json& set) const;

@@ -80,6 +80,14 @@ void add_responses(std::span<const response::Matrix6c> H, std::vector<double>& n
       }
 }
 
+void add_direct_responses(std::span<const response::Matrix6c> H, std::vector<double>& numbers) {
+  for (const auto& at : H)
+    for (int direction = 0; direction < 6; ++direction) {
+      numbers.push_back(at(direction, direction).real());
+      numbers.push_back(at(direction, direction).imag());
+    }
+}
+
 std::vector<double> bode_curves(const modal::ModeTable& table, const spatial::Vector3& p_PQ,
                                 double from, double to, int points) {
   const auto flexible = responses_at(table.real, table, p_PQ);
@@ -95,6 +103,7 @@ std::vector<double> bode_curves(const modal::ModeTable& table, const spatial::Ve
   const auto H_flexible = response::frequency_response(flexible, lines);
   const auto H_rigid = response::frequency_response(rigid, lines);
   std::vector<double> numbers{static_cast<double>(lines.size())};
+  numbers.reserve(146 * lines.size());
   numbers.insert(numbers.end(), lines.begin(), lines.end());
   add_responses(H_flexible, numbers);
   add_responses(H_rigid, numbers);

@@ -16,6 +16,9 @@ response::ResponseModel responses_at(const modal::AnalysedModel& model,
 /// Behind `numbers` the responses `H`: by line, output and input: re, im.
 void add_responses(std::span<const response::Matrix6c> H, std::vector<double>& numbers);
 
+/// The direct responses alone: by line and direction: re, im.
+void add_direct_responses(std::span<const response::Matrix6c> H, std::vector<double>& numbers);
+
 /// From … to [rad/s]: how many lines there are, the lines [rad/s], `points` on a logarithmic axis
 /// and more around resonances, then responses with flexible and with rigid legs; then for every
 /// peak of a response between different directions five numbers: 0 of flexible or 1 of rigid legs,

@@ -120,7 +120,7 @@ CORE_EXPORT double* core_lines(int lines) {
   numbers().resize(static_cast<std::size_t>(lines));
   return numbers().data();
 }
-/// Number of values at the returned place: 144 a line, or 0.
+/// Number of values at the returned place: 144 a line, of direct responses 24, or 0.
 CORE_EXPORT int core_sweep() {
   numbers() = core() ? core()->sweep(numbers()) : std::vector<double>{};
   return static_cast<int>(numbers().size());

@@ -126,6 +126,19 @@ export interface PoseReport {
   bode?: Bode;
 }
 
+/** As much of it as a comparison of frequencies needs. */
+export interface BriefPose {
+  pose: Pick<PoseReport['pose'], 'name'>;
+  answer: Pick<Answer, 'stable'> | null;
+  model: PoseReport['model'];
+  modes: BriefMode[];
+  rigid_modes: BriefMode[];
+}
+
+export interface BriefMode extends Pick<Mode, 'number' | 'frequency_hz' | 'stable' | 'platform_energy'> {
+  rigid?: Pick<NonNullable<Mode['rigid']>, 'mode' | 'mac'>;
+}
+
 /** A run of `hydrapod simulate`; lists of six, per direction or leg, of values over time. */
 export interface Simulation {
   pose: string;

@@ -42,8 +42,13 @@ function namePages(state: State): void {
   if (!sheet) return;
   const date = report.reproduction?.date.slice(0, 10) ?? '';
   const name = () => {
-    const machine = [report.machine.state, state.changedWords].filter(Boolean).join(', ');
-    const parts = [shortened(report.title, 48), shortened(machine, 56), `hydrapod ${report.assumptions.hydrapod}`, date];
+    const parts = [
+      shortened(report.title, 48),
+      [shortened(report.machine.state, 56), state.changedWords].filter(Boolean).join(', '),
+      shortened(state.poseWords, 40),
+      `hydrapod ${report.assumptions.hydrapod}`,
+      date,
+    ];
     const safe = parts.filter(Boolean).join(' · ').replace(/[\\"]/g, '\\$&').replace(/\s+/g, ' ');
     return `@page { @bottom-left { content: "${safe}"; width: 86%; font: 8pt sans-serif; color: #56616e; } }`;
   };

@@ -61,10 +61,15 @@ export class State {
     return length === 0 ? '' : `with ${length} changed value${length === 1 ? '' : 's'}`;
   }
 
+  /** "pose low"; empty where there is no other pose. */
+  get poseWords(): string {
+    const named = this.report.poses.length > 1 || (this.isWhatIf && this.displacement);
+    return named ? `pose ${this.pose.pose.name}` : '';
+  }
+
   /** What sections say on paper: "pose low, with 2 changed values"; empty where there is nothing else. */
   get shownWords(): string {
-    const named = this.report.poses.length > 1 || (this.isWhatIf && this.displacement);
-    return [named ? `pose ${this.pose.pose.name}` : '', this.changedWords].filter(Boolean).join(', ');
+    return [this.poseWords, this.changedWords].filter(Boolean).join(', ');
   }
 
   get poseNumber(): number {

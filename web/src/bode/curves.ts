@@ -100,7 +100,8 @@ export const loadName = (d: number): string =>
 export const titleOf = (pair: Pair): string =>
   `${motionName(pair.output)} per ${loadName(pair.input)}`;
 
-export function csv(curves: Curves): string {
+/** `about`: lines above the table. */
+export function csv(curves: Curves, about: string[]): string {
   const { flexible } = curves;
   const columns = (name: string) => [
     `${name}_re`,
@@ -118,5 +119,6 @@ export function csv(curves: Curves): string {
   const rows = curves.frequency.map((f, i) =>
     [f, two_pi * f, ...(flexible ? values(flexible[i]) : []), ...values(curves.rigid[i])].join(','),
   );
-  return `${head.join(',')}\n${rows.join('\n')}\n`;
+  const comments = about.map((text) => `# ${text.replace(/[\u0000-\u001f]/g, ' ')}\n`);
+  return `${comments.join('')}${head.join(',')}\n${rows.join('\n')}\n`;
 }

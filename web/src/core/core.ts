@@ -1,7 +1,7 @@
 // The core of the page that calculates, as the page sees it.
 
 import script from 'core-worker';
-import type { Editable, PoseReport } from '../document';
+import type { BriefPose, Editable, PoseReport } from '../document';
 import type { Pole } from '../identification/types';
 import type { Answered, Asked } from './worker';
 
@@ -45,15 +45,17 @@ export interface Band {
   peaks: { legs: 'flexible' | 'rigid'; output: number; input: number; line: number; mode: number }[];
 }
 
-export interface Computed {
+export interface Computed<Pose = PoseReport> {
   findings: { error: boolean; key: string; message: string }[];
-  pose?: PoseReport;
+  pose?: Pose;
   /** Why there are no modes. */
   problem?: string;
-  /** By line, flexible then rigid legs, output and input: re, im. */
+  /** Flexible then rigid legs, by line, output and input: re, im; of brief(): by line and direction. */
   responses?: Float64Array;
   milliseconds: number;
 }
+
+export type Brief = Computed<BriefPose>;
 
 export interface Buckling {
   status: 'found' | 'none' | 'buckled';
@@ -149,7 +151,16 @@ export class Core {
   }
 
   async compute(request: Request, omega?: Float64Array): Promise<Computed> {
-    const answer = await this.call('compute', JSON.stringify({ points: 600, ...request }), omega);
+    return this.computed({ points: 600, ...request }, omega);
+  }
+
+  /** While a value is dragged: frequencies, and direct responses. */
+  async brief(request: Omit<Request, 'points'>, omega?: Float64Array): Promise<Brief> {
+    return this.computed({ ...request, brief: true }, omega);
+  }
+
+  private async computed<Pose>(request: Request & { brief?: boolean }, omega?: Float64Array): Promise<Computed<Pose>> {
+    const answer = await this.call('compute', JSON.stringify(request), omega);
     return {
       ...JSON.parse(answer.text),
       milliseconds: answer.milliseconds,

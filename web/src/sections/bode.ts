@@ -35,6 +35,8 @@ class BodeSection {
   private band: [number, number] = [1, 2];
   private sweep!: Sweep;
   private curves!: Curves;
+  /** Of which pose they are, where there are several, and of which changed values. */
+  private about: string[] = [];
   /** Until the curves of the chosen band are shown. */
   private ready = Promise.resolve();
   private chooserIsOld = true;
@@ -140,6 +142,7 @@ class BodeSection {
     });
     if (band !== this.band) return this.ready; // another one was chosen meanwhile
     this.sweep = new Sweep(pose, curves);
+    this.about = [...(state.poseWords ? [state.poseWords] : []), ...(isWhatIf ? state.changes : [])];
     if (!this.content.isConnected) this.note.before(this.content);
     if (this.chooserIsOld) this.chooser.show(this.sweep, this.pair);
     this.chooserIsOld = false;
@@ -228,7 +231,7 @@ class BodeSection {
           () => void pngOf(this.picture()).then((blob) => download(`${name()}.png`, blob)),
           { 'data-control': 'png' },
         ),
-        button('CSV', () => this.save(`${name()}.csv`, csv(this.curves), 'text/csv'), {
+        button('CSV', () => this.save(`${name()}.csv`, csv(this.curves, this.about), 'text/csv'), {
           'data-control': 'csv',
         }),
       ),

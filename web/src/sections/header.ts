@@ -125,7 +125,10 @@ function subtitles(state: State): HTMLElement[] {
   const line = (text: string) => html('p', { class: 'subtitle' }, text);
   const described = [name, machine.description].filter(Boolean).join(': ');
   const which = line('');
-  const show = () => (which.textContent = `Machine: ${[machine.state, state.changedWords].filter(Boolean).join(', ')}`);
+  const show = () => {
+    which.textContent = `Machine: ${[machine.state, state.changedWords].filter(Boolean).join(', ')}`;
+    if (state.poseWords) which.append(html('span', { class: 'print-only' }, `; ${state.poseWords}`));
+  };
   state.listen((change) => (change === 'pose' || change === 'numbers') && show());
   show();
   return [...(described ? [line(described)] : []), which, line(facts.filter(Boolean).join(' · '))];

@@ -1,6 +1,6 @@
 // What if: sliders on every number of the machine, calculated here by the library's own mechanics.
 
-import type { Buckling, Computed, Core, Setting } from '../core/core';
+import type { Brief, Buckling, Core, Setting } from '../core/core';
 import { assignments, displacementIn, Edits, fragmentOf, fromFragment, holdsState, noCommand, settings, shellCommand, type Values } from '../core/edits';
 import { beginWhenSeen, failureText, sharedCore, touch } from '../core/shared';
 import { directions, type Editable, type PoseReport } from '../document';
@@ -30,7 +30,7 @@ const rest = 150;
 interface Side {
   values: Values;
   displaced: number[] | null;
-  computed: Computed;
+  computed: Brief;
   buckling: Buckling | null;
 }
 
@@ -45,6 +45,8 @@ class WhatIf {
   private a: Side | null = null;
   private b: Side | null = null;
   private running: Promise<void> | null = null;
+  /** Until A and B are at the chosen pose. */
+  private placed: Promise<void> = Promise.resolve();
   private timer = 0;
   private direction = 0;
   private readonly omega: Float64Array;
@@ -112,7 +114,7 @@ class WhatIf {
     addEventListener('hashchange', () => this.takeFragment());
     addEventListener('keydown', (event) => this.key(event));
     this.state.listen((change) => {
-      if (change === 'pose') void this.newPose();
+      if (change === 'pose') this.placed = this.newPose();
       if (change === 'displaced') void this.update();
     });
     const given = fromFragment(location.hash, (path) => this.base.get(path));
@@ -125,6 +127,7 @@ class WhatIf {
 
   /** A is the machine of the report at the pose that is shown; B has the changed values. */
   private async newPose(): Promise<void> {
+    this.a = this.b = null; // what is being calculated for another pose is not shown any more
     this.omega.set(grid(this.state.stated));
     const computed = await this.compute(new Map(), null);
     this.a = { values: new Map(), displaced: null, computed, buckling: null };
@@ -136,18 +139,16 @@ class WhatIf {
     return { pose: this.state.poseNumber, ...(displaced ? { displaced } : {}) };
   }
 
-  private compute(values: Values, displaced: number[] | null): Promise<Computed> {
+  private compute(values: Values, displaced: number[] | null): Promise<Brief> {
     touch();
-    // the page's Bode diagram with its peaks follows in settle()
-    const request = { set: settings(values), ...this.place(displaced), points: 0 };
-    return (this.core as Core).compute(request, this.omega);
+    // what the rest of the page shows follows in settle()
+    return (this.core as Core).brief({ set: settings(values), ...this.place(displaced) }, this.omega);
   }
 
   /** In words what the core finds wrong with a value that was typed, and with nothing else. */
   private async judge(path: string, value: number): Promise<string> {
     const find = async (values: Values) => {
-      const request = { set: settings(values), ...this.place(this.state.displaced), points: 0 };
-      const { findings } = await (this.core as Core).compute(request);
+      const { findings } = await (this.core as Core).brief({ set: settings(values), ...this.place(this.state.displaced) });
       return findings.filter(({ error }) => error).map(({ key, message }) => `${key}: ${message}`);
     };
     const found = await find(new Map(this.edits.values).set(path, value));
@@ -253,7 +254,7 @@ class WhatIf {
   private showCurves(): void {
     const { a, b, omega, direction } = this;
     if (!a || !b) return;
-    const curve = (kind: Curve['kind'], computed: Computed): Curve => ({
+    const curve = (kind: Curve['kind'], computed: Brief): Curve => ({
       kind,
       omega,
       size: magnitudes(computed, lineCount, direction, kind === 'rigid'),
@@ -360,6 +361,7 @@ class WhatIf {
       replace: (set: Setting[]) => this.edits.replace(new Map(set)),
       shown: async () => {
         await this.judged;
+        await this.placed;
         while (this.running) await this.running;
         clearTimeout(this.timer);
         await this.settle();

@@ -20,6 +20,8 @@ import {
 
 const shownAtFirst = 8;
 const shownAtMost = 40;
+/** After the list was used last, until its rows may change their places [ms]: a click elsewhere must have ended. */
+const rest = 400;
 
 /** Why the machine cannot have this value [SI] beside the others; empty where it can. */
 export type Judge = (path: string, value: number) => Promise<string>;
@@ -143,6 +145,8 @@ export class ParameterList {
   private readonly search: HTMLInputElement;
   private slopes: Record<string, number> = {};
   private most = 0;
+  /** The order is another one than that of the rows. */
+  private isOld = false;
 
   constructor(
     private readonly editable: Editable,
@@ -158,6 +162,8 @@ export class ParameterList {
       'data-control': 'parameter-search',
     });
     this.search.addEventListener('input', () => this.choose());
+    const left = () => setTimeout(() => this.isOld && this.chooseUnused(), rest);
+    for (const event of ['focusout', 'pointerup', 'pointercancel']) this.list.addEventListener(event, left);
     this.element = html(
       'div',
       { class: 'parameter-list' },
@@ -173,7 +179,13 @@ export class ParameterList {
     this.slopes = slopes;
     this.most = Math.max(0, ...Object.values(slopes).map(Math.abs));
     for (const [path, row] of this.rows) row.showSensitivity(slopes[path], this.most);
-    this.choose();
+    this.chooseUnused();
+  }
+
+  /** A field that changes its place loses the focus, and what was typed so far counts as entered. */
+  private chooseUnused(): void {
+    this.isOld = this.list.matches(':focus-within, :active');
+    if (!this.isOld) this.choose();
   }
 
   show(): void {
@@ -187,6 +199,7 @@ export class ParameterList {
 
   /** Which rows are there; they stay where they are while they are used. */
   choose(): void {
+    this.isOld = false;
     const words = this.search.value.toLowerCase().split(/\s+/).filter(Boolean);
     const matching = this.parameters.filter(({ path, meaning }) =>
       words.every((word) => `${path} ${path.replace(/[._]/g, ' ')} ${meaning}`.toLowerCase().includes(word)),

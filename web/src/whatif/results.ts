@@ -1,8 +1,8 @@
 // What came of it: A, the machine one compares with, beside B, the machine with the values shown.
 
 import { labelled, tickText } from '../bode/ticks';
-import type { Buckling, Computed } from '../core/core';
-import { directions, type Mode, type PoseReport } from '../document';
+import type { Brief, Buckling } from '../core/core';
+import { directions, type BriefMode, type BriefPose } from '../document';
 import { html, onNewWidth, svg } from '../dom';
 import { fixed, hertz, signedPercent, tick } from '../numbers';
 
@@ -12,16 +12,16 @@ const two_pi = 2 * Math.PI;
 interface Line {
   direction: string;
   rigid: number;
-  main: Mode | null;
+  main: BriefMode | null;
 }
 
 const strongest = (energy: number[]): string =>
   directions[energy.indexOf(Math.max(...energy))] as string;
 
-function lines(pose: PoseReport): Line[] {
+function lines(pose: BriefPose): Line[] {
   return pose.rigid_modes.map((rigid) => {
     const holding = pose.modes.filter((mode) => mode.rigid?.mode === rigid.number);
-    const most = (best: Mode | null, mode: Mode) =>
+    const most = (best: BriefMode | null, mode: BriefMode) =>
       !best || mode.rigid!.mac > best.rigid!.mac ? mode : best;
     return {
       direction: strongest(rigid.platform_energy),
@@ -32,14 +32,14 @@ function lines(pose: PoseReport): Line[] {
 }
 
 /** [Hz]; nothing where there is no such mode, or it is unstable. */
-const frequencyOf = (mode: Mode | null | undefined): number | undefined =>
+const frequencyOf = (mode: BriefMode | null | undefined): number | undefined =>
   mode?.stable ? mode.frequency_hz : undefined;
 
-const frequencyText = (mode: Mode | null | undefined): string =>
+const frequencyText = (mode: BriefMode | null | undefined): string =>
   mode ? (mode.stable ? hertz(mode.frequency_hz) : 'unstable') : '–';
 
 /** Likeness of the flexible mode and the rigid one: how much of that motion the shift is about. */
-const macText = (mode: Mode | null | undefined): string =>
+const macText = (mode: BriefMode | null | undefined): string =>
   mode?.stable && mode.rigid ? fixed(mode.rigid.mac, 2) : '–';
 
 const cell = (text: string, kind = 'numeric') => html('td', { class: kind }, text);
@@ -48,10 +48,10 @@ const changeText = (now: number | undefined, before: number | undefined): string
   now !== undefined && before ? signedPercent(100 * (now / before - 1)) : '–';
 
 /** Rows of B's rigid modes; A's are those of the same direction and place. */
-export function resultTable(a: PoseReport | null, b: PoseReport | null): HTMLElement {
+export function resultTable(a: BriefPose | null, b: BriefPose | null): HTMLElement {
   const flexible = (b ?? a)?.model !== 'rigid';
   const head = ['Direction', 'Rigid legs, Hz', ...(flexible ? ['Flexible legs, Hz', 'MAC', 'Shift by the seals'] : []), 'A, Hz', 'B − A'];
-  const rows = (b ?? a) ? lines((b ?? a) as PoseReport) : [];
+  const rows = (b ?? a) ? lines((b ?? a) as BriefPose) : [];
   const before = a ? lines(a) : [];
   const twin = (line: Line, k: number): Line | undefined => {
     const place = rows.slice(0, k).filter((other) => other.direction === line.direction).length;
@@ -94,7 +94,7 @@ export const bucklingText = (found: Buckling | null): string => {
 
 /** |H| over frequency of one direction, of a sweep as the core gives it; none where the legs buckle. */
 export function magnitudes(
-  computed: Computed,
+  computed: Brief,
   lineCount: number,
   direction: number,
   rigid = false,
@@ -102,11 +102,8 @@ export function magnitudes(
   const values = computed.responses;
   const stable = rigid || computed.pose?.answer?.stable !== false;
   if (!values || values.length === 0 || !stable) return [];
-  const entry = 2 * (7 * direction);
-  const begin = rigid ? 72 * lineCount : 0;
-  return Array.from({ length: lineCount }, (_, k) =>
-    Math.hypot(values[begin + 72 * k + entry]!, values[begin + 72 * k + entry + 1]!),
-  );
+  const begin = (rigid ? 12 * lineCount : 0) + 2 * direction;
+  return Array.from({ length: lineCount }, (_, k) => Math.hypot(values[begin + 12 * k]!, values[begin + 12 * k + 1]!));
 }
 
 export interface Curve {
