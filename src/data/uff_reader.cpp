@@ -13,7 +13,11 @@ namespace hydrapod::data {
 
 namespace {
 
-constexpr double rate_tolerance = 2e-5;  ///< increments are written with six digits
+constexpr double rate_tolerance = 2e-5;          ///< increments are written with six digits
+constexpr const char* of_repeat = " of repeat";  ///< behind the role, in what hydrapod writes
+constexpr const char* lost_own_header =
+    "hydrapod wrote the file, but its dataset 99001 (header of the record) is not there or cannot "
+    "be read: the file is damaged, or another program changed it; no checksum is compared";
 
 class UffReader final : public RecordReader {
  public:
@@ -149,6 +153,8 @@ class UffReader final : public RecordReader {
     }
     if (!contents_.own.text_of("sample_rate_hz").empty() && !contents_.own.by_hydrapod(notes_))
       notes_.add(damaged_mark);
+    else if (hydrapod_wrote() && !contents_.own.by_hydrapod(notes_))
+      notes_.add(lost_own_header);
     header_.notes = origin_notes();
     name_by_place(header_.channels);
     make_names_unique(header_.channels);
@@ -186,6 +192,15 @@ class UffReader final : public RecordReader {
     return same;
   }
 
+  /// By what stands outside of its own dataset: dataset 151, or the fourth line of a function.
+  [[nodiscard]] bool hydrapod_wrote() const {
+    return contents_.program.starts_with("hydrapod ") ||
+           std::ranges::any_of(chosen_, [](const UffFunction& f) {
+             const std::size_t at = f.id[3].find(of_repeat);
+             return at != std::string::npos && role_from_text(f.id[3].substr(0, at));
+           });
+  }
+
   /// That of the function, if its line is one, else that of the file.
   [[nodiscard]] std::string date_of(const UffFunction& f) const {
     const std::string own = given(f.id[2]), date = iso_date(own);
@@ -215,7 +230,7 @@ class UffReader final : public RecordReader {
     channel.id_lines = uff_id_lines(f.id);
     channel.role = Role::response;
     if (f.ordinate.quantity == uff_quantity::excitation_force) channel.role = Role::excitation;
-    const std::string word = f.id[3].substr(0, f.id[3].find(" of repeat"));
+    const std::string word = f.id[3].substr(0, f.id[3].find(of_repeat));
     if (const auto role = role_from_text(word)) channel.role = *role;
     return channel;
   }

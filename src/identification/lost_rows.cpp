@@ -2,9 +2,11 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <iterator>
+#include <limits>
 #include <utility>
 
 #include "hydrapod/numerics/statistics.hpp"
@@ -111,6 +113,12 @@ class OneStep {
     e.colwise() -= of_mean_.head(outputs);
     return e.cwiseAbs();
   }
+  /// Of the numbers of a row with its past.
+  [[nodiscard]] const VectorXd& mean() const { return mean_; }
+  /// What they are multiplied by to have variance 1; 0 where they are constant.
+  [[nodiscard]] const VectorXd& scale() const { return scale_; }
+  /// e by its deviations = this · (a row with its past − mean()).
+  [[nodiscard]] const MatrixXd& of_samples() const { return of_samples_; }
 
  private:
   void fit(const MatrixXd& x) {
@@ -148,6 +156,77 @@ class OneStep {
   Index past_, outputs_;
   VectorXd mean_{}, scale_{}, deviation_{}, of_mean_{};
   MatrixXd A_{}, of_samples_{};
+};
+
+/// Says in single precision, at less than half the cost, that nothing stands out, where rounding
+/// cannot hide it.
+class QuietRows {
+ public:
+  /// Of the first `outputs` of the model.
+  QuietRows(const OneStep& model, Index outputs, Index channels)
+      : mean_(model.mean().tail(channels)), scale_(model.scale().tail(channels)) {
+    scale_ = scale_.unaryExpr([](double s) { return s > 0.0 ? s : 1.0; });
+    const MatrixXd A = model.of_samples().topRows(outputs);
+    const Index steps = A.cols() / channels;
+    offset_ = (A * (mean_.replicate(steps, 1) - model.mean())).cast<float>();
+    const MatrixXd of_small = A * scale_.cwiseInverse().replicate(steps, 1).asDiagonal();
+    per_unit_ = of_small.cwiseAbs().rowwise().sum().maxCoeff();
+    for (Index c = 0; c < channels; ++c)
+      for (Index k = 0; k < steps; ++k)
+        for (Index o = 0; o < outputs; ++o)
+          coefficients_.push_back(static_cast<float>(of_small(o, k * channels + c)));
+  }
+  /// |e| ≤ `most` · its deviation, of all rows that have their past. False where it cannot tell.
+  [[nodiscard]] bool are_quiet(const Eigen::Ref<const Rows>& rows, double most) {
+    const Index steps = std::ssize(coefficients_) / (offset_.size() * rows.cols());
+    if (x_.cols() != rows.cols() || x_.rows() < rows.rows() + lanes)
+      x_.setZero(rows.rows() + lanes, rows.cols());
+    x_.topRows(rows.rows()) =
+        ((rows.rowwise() - mean_.transpose()) * scale_.asDiagonal()).cast<float>();
+    const double unit = 0.5 * std::numeric_limits<float>::epsilon(),
+                 rounding = 2.0 * static_cast<double>(steps * rows.cols() + 4) * unit * per_unit_ *
+                            static_cast<double>(x_.topRows(rows.rows()).cwiseAbs().maxCoeff());
+    if (!(rounding < 0.1 * most)) return false;
+    const auto limit = static_cast<float>(most - rounding);
+    switch (offset_.size()) {
+      case 1:
+        return are_within<1>(limit, steps, rows.rows());
+      case 2:
+        return are_within<2>(limit, steps, rows.rows());
+      case 3:
+        return are_within<3>(limit, steps, rows.rows());
+      default:
+        return false;
+    }
+  }
+
+ private:
+  static constexpr int lanes = 32;  // rows at once: as many as registers hold for three outputs
+
+  template <int outputs>
+  [[nodiscard]] bool are_within(float limit, Index steps, Index rows) const {
+    using Lanes = Eigen::Array<float, lanes, 1>;
+    for (Index first = 0; first + steps <= rows; first += lanes) {
+      std::array<Lanes, outputs> e;
+      for (int o = 0; o < outputs; ++o) e[o].setConstant(offset_[o]);
+      const float* a = coefficients_.data();
+      for (Index c = 0; c < x_.cols(); ++c)
+        for (Index k = 0; k < steps; ++k, a += outputs) {
+          const Lanes x = Lanes::Map(x_.data() + c * x_.rows() + first + k);
+          for (int o = 0; o < outputs; ++o) e[o] += a[o] * x;
+        }
+      const Index there = std::min<Index>(lanes, rows - steps + 1 - first);
+      for (const auto& own : e)
+        if (!(own.head(there).abs() <= limit).all()) return false;
+    }
+    return true;
+  }
+
+  VectorXd mean_, scale_;
+  Eigen::VectorXf offset_{};
+  double per_unit_{};
+  std::vector<float> coefficients_{};  // by channel, step, output
+  Eigen::MatrixXf x_{};                // a column per channel
 };
 
 /// Rows that are whole with their past, `length` numbers each, evenly over the first ones of
@@ -271,6 +350,7 @@ LostRows find_lost_rows(data::RecordSet& records, const Reading& reading,
       static_cast<std::int64_t>((reading.spectrum.periodic ? 1.0 : options.of_block) * block) + 1;
   LostRows lost;
   Places places(outputs, order, options);
+  QuietRows quiet(model, places.enough(), D);
   const auto take = [&](std::size_t file, std::int64_t t) {
     if (lost.places++ == 0) {
       lost.file = file;
@@ -278,24 +358,23 @@ LostRows find_lost_rows(data::RecordSet& records, const Reading& reading,
     }
     for (const std::size_t c : reading.used) lost.stretches.push_back({file, c, t, t + out});
   };
-  with_past.stream(records,
-                   [&](std::size_t file, std::int64_t first, const Eigen::Ref<const Rows>& rows) {
-                     constexpr Index at_once = 1024;
-                     for (Index from = order; from < rows.rows(); from += at_once) {
-                       Index count = std::min(at_once, rows.rows() - from), begin = from;
-                       const auto errors = [&](Index of) {
-                         return model.errors(rows.middleRows(begin - order, order + count), of);
-                       };
-                       // then none of these rows is a place, and the last ones tell of what comes
-                       if (places.is_quiet(errors(places.enough()))) {
-                         begin += std::max<Index>(0, count - order);
-                         count = std::min(count, order);
-                       }
-                       places.look(file, first + begin - order, errors(outputs),
-                                   [&](std::int64_t t) { take(file, t); });
-                     }
-                     return !stopped();
-                   });
+  with_past.stream(
+      records, [&](std::size_t file, std::int64_t first, const Eigen::Ref<const Rows>& rows) {
+        constexpr Index at_once = 1024;
+        for (Index from = order; from < rows.rows(); from += at_once) {
+          Index count = std::min(at_once, rows.rows() - from), begin = from;
+          const auto own = [&] { return rows.middleRows(begin - order, order + count); };
+          // then none of these rows is a place, and the last ones tell of what comes
+          if (quiet.are_quiet(own(), options.quiet) ||
+              places.is_quiet(model.errors(own(), places.enough()))) {
+            begin += std::max<Index>(0, count - order);
+            count = std::min(count, order);
+          }
+          places.look(file, first + begin - order, model.errors(own(), outputs),
+                      [&](std::int64_t t) { take(file, t); });
+        }
+        return !stopped();
+      });
   if (lost.places * options.each > reading.total) return {};
   return lost;
 }

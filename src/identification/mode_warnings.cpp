@@ -58,9 +58,16 @@ void warn_of_few_samples(const IdentifyOptions& options, Identification& result)
   const double rate = result.responses.sample_rate,
                frequency = result.modes.back().fit.omega() / two_pi, samples = rate / frequency;
   if (!(rate > 0.0) || !(samples < options.fewest_samples)) return;
-  result.warnings.push_back({.kind = ModeWarning::Kind::few_samples,
-                             .value = samples,
-                             .to = samples < folded ? rate - frequency : 0.0});
+  ModeWarning warning{.kind = ModeWarning::Kind::few_samples,
+                      .value = samples,
+                      .to = samples < folded ? rate - frequency : 0.0};
+  for (auto& mode : result.modes) {
+    if (!(mode.fit.omega() / two_pi * options.filtered_samples > rate)) continue;
+    mode.explained = std::min(mode.explained, options.folded_quality);
+    ++warning.count;
+  }
+  if (warning.count > 0) warning.total = std::ssize(result.modes);
+  result.warnings.push_back(warning);
 }
 
 }  // namespace

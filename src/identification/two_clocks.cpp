@@ -12,6 +12,10 @@ namespace hydrapod::identification {
 
 namespace {
 
+/// Phase of the highest line at the end of the record between two ε that are tried: half of it off,
+/// no line loses more than (sin(0.5)/0.5)² = 8 % of its power.
+constexpr double radians_of_step = 2.0;
+
 /// Which blocks and lines are taken.
 struct PartPlan {
   int block{};        // [samples]
@@ -56,8 +60,9 @@ std::optional<PartPlan> plan_parts(data::RecordSet& records, std::int64_t settli
   plan.parts = blocks / plan.together;
   // within a part phases turn little; above, what recorders filter
   const double part = static_cast<double>(plan.together * plan.block);
-  constexpr double pass_band = 0.4;                                         // of the sample rate
-  const double steps = 4.0 * two_pi * rate * options.most * plan.duration;  // per sample rate
+  constexpr double pass_band = 0.4;  // of the sample rate
+  // per sample rate, at 2 rad of a step of ε
+  const double steps = two_pi * rate * options.most * plan.duration;
   const double highest = std::min({pass_band, 1.0 / (two_pi * options.most * part),
                                    0.5 * static_cast<double>(options.most_steps) / steps});
   constexpr Index lowest = 3;  // below is the mean
@@ -171,6 +176,7 @@ class ClockLikelihood {
     }
   }
   [[nodiscard]] double parts() const { return count_; }
+  [[nodiscard]] double entries() const { return static_cast<double>(power_.rows()); }
   [[nodiscard]] double highest() const { return omega_.back(); }
 
   /// Σ L(k step) for |k| ≤ `steps`: the sums over parts by transforms with `finer` times as many
@@ -252,7 +258,7 @@ class ClockLikelihood {
   }
 
   using Rows = Eigen::Array<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  static constexpr std::size_t finer = 8;
+  static constexpr std::size_t finer = 2;
 
   /// |Σ_g C_g e^(iθg)|²/G of all entries at θ = k · `turn`, a row each.
   static void add_at_steps(const Parts& record, std::size_t line, double turn,
@@ -300,29 +306,38 @@ std::vector<Parts> some_entries(const std::vector<Parts>& all, Index most) {
   return some;
 }
 
-/// The most likely ε: first by steps, there exactly, then between them.
+/// The most likely ε: first by steps, the best ones exactly, then between them. 0 where none says
+/// more than L(0) + `least`.
 double best_ratio(const ClockLikelihood& likelihood, const PartPlan& plan,
-                  const TwoClocksOptions& options) {
-  const double step = 0.5 / (likelihood.highest() * plan.duration);
+                  const TwoClocksOptions& options, double least) {
+  const double step = radians_of_step / (likelihood.highest() * plan.duration);
   const auto steps = static_cast<Index>(std::ceil(options.most / step));
   Index most = 0;
   likelihood.at_steps(step, steps).maxCoeff(&most);
-  double best = 0.0, largest = likelihood(0.0).sum();
+  const double of_none = likelihood(0.0).sum();
+  double best = 0.0, largest = of_none;
   const auto ask = [&](double ratio) {
-    if (const double own = likelihood(ratio).sum(); own > largest) {
+    const double own = likelihood(ratio).sum();
+    if (own > largest) {
       largest = own;
       best = ratio;
     }
+    return own;
   };
-  constexpr Index beside = 3;  // steps: what lines between the points of a transform may be off
+  constexpr Index beside = 1;  // steps: what lines between the points of a transform may be off
   for (Index k = std::max<Index>(0, most - beside); k <= std::min(2 * steps, most + beside); ++k)
-    ask(step * static_cast<double>(k - steps));
+    if (k != steps) ask(step * static_cast<double>(k - steps));
+  // vertices of parabolas
   double width = 0.5 * step;
-  constexpr int halvings = 8;
-  for (int n = 0; n < halvings; ++n, width *= 0.5) {
-    const double centre = best;
-    ask(centre - width);
-    ask(centre + width);
+  constexpr int refinements = 5;
+  for (int n = 0; n < refinements; ++n, width *= 0.25) {
+    const double centre = best, middle = largest, below = ask(centre - width),
+                 above = ask(centre + width), bend = 2.0 * middle - below - above;
+    if (bend > 0.0) {
+      const double by = 0.5 * (above - below) / bend;  // widths
+      ask(centre + width * std::clamp(by, -1.0, 1.0));
+    }
+    if (!(largest > of_none + least)) return 0.0;
   }
   return best;
 }
@@ -376,7 +391,10 @@ std::optional<ClockDifference> ClockSearch::result() const {
   if (likelihood.parts() < static_cast<double>(options.fewest_blocks) / 2.0) return {};
   constexpr Index enough = 8;  // entries
   const auto some = some_entries(parts.parts(), enough);
-  const double ratio = best_ratio(ClockLikelihood(some, plan, rate), plan, options);
+  const ClockLikelihood of_some(some, plan, rate);
+  constexpr double share = 0.25;  // of the evidence: entries differ
+  const double least = share * options.evidence * of_some.entries();
+  const double ratio = best_ratio(of_some, plan, options, least);
   if (ratio == 0.0) return {};
   const Eigen::ArrayXXd of_clock = likelihood(ratio), as_it_is = likelihood(0.0),
                         gain = of_clock - as_it_is;

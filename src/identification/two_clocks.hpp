@@ -39,7 +39,7 @@ struct TwoClocksOptions {
   int block{2048};          ///< [samples] at most
   Index fewest_blocks{64};  ///< of a record: else blocks are shorter
   Index most_parts{256}, most_lines{128};
-  Index most_steps{4096};  ///< of ε that are tried
+  Index most_steps{1024};  ///< of ε that are tried
 };
 
 struct ClockDifference {

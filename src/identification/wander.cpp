@@ -250,8 +250,6 @@ class PartFits {
     return list;
   }
 
-  [[nodiscard]] bool has_twins() const { return merged_.has_value(); }
-
   /// Those that are one resonance in each part, and another one.
   [[nodiscard]] std::vector<Wandering> wandering_twins(const WanderOptions& options) const {
     // in each part one pole is as good as two: there never were two resonances at a time
@@ -366,21 +364,17 @@ bool compare_in_shorter_blocks(data::RecordSet& records, const Measurement& meas
   return false;
 }
 
-/// Whether twins are one resonance that moved. Of modes of one record nothing else is asked there:
-/// what leaks is more than in the blocks that they were found in. Of several, whose halves are
-/// other records, modes are compared: both leak alike.
-std::vector<Wandering> twins_in_shorter_blocks(
+/// What leaks is more than in the blocks that the modes were found in, and alike in both halves.
+std::vector<Wandering> wandering_in_shorter_blocks(
     data::RecordSet& records, const Measurement& measured, const MeasureOptions& measure,
     const Identification& found, const IdentifyOptions& identify, const WanderOptions& options,
     const numerics::Progress& progress) try {
-  const bool several = records.files().size() > 1;
   PartFits parts(found, identify);
-  if (!several && !parts.has_twins()) return {};
   auto all = halves_in_shorter_blocks(records, measured, measure, options.least_degrees, found.to,
                                       progress);
   if (!all) return {};
   for (auto& part : all->groups) parts.add(std::move(part), all->choice, all->estimator);
-  return several ? parts.wandering(options) : parts.wandering_twins(options);
+  return parts.wandering(options);
 } catch (const base::ComputationError&) {  // a half has too little in it
   return {};
 }
@@ -444,7 +438,7 @@ PartsFinding compare_parts(data::RecordSet& records, const Measurement& measured
   }
   if (!fit)
     finding.wandering =
-        twins_in_shorter_blocks(records, measured, measure, found, identify, options, watched);
+        wandering_in_shorter_blocks(records, measured, measure, found, identify, options, watched);
   return stopped ? PartsFinding() : finding;
 }
 

@@ -33,12 +33,17 @@ std::string warning_text(const identification::ModeWarning& w) {
       return fmt::format(
           "the highest mode has {:.1f} samples per period: the modal model does not include "
           "aliasing, and with little noise the intervals are too narrow; use a higher sample "
-          "rate{}",
+          "rate{}{}",
           w.value,
           w.to > 0.0 ? fmt::format("; it may be the image of a mode at {:.4g} Hz where no "
                                    "anti-alias filter was used",
                                    w.to)
-                     : "");
+                     : "",
+          w.count > 0 ? fmt::format("; {} of {} modes have fewer than 2.56 samples per period, "
+                                    "where anti-alias filters do not pass or what is folded adds: "
+                                    "they may be none",
+                                    w.count, w.total)
+                      : "");
     case Kind::misfit:
       return fmt::format(
           "the modal model misses the responses by {:.1f} times their noise (mean square): a mode "

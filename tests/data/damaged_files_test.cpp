@@ -50,6 +50,18 @@ std::string replaced(std::string text, const std::string& old, const std::string
   if (at == std::string::npos) throw std::logic_error("nothing to damage: " + old);
   return text.replace(at, old.size(), by);
 }
+/// A Universal File as another program may write it: without hydrapod's dataset and words.
+std::string of_another_program(std::string uff) {
+  const std::size_t own = uff.find("    -1\n 99001");
+  uff.erase(own, uff.find("    -1\n    58", own) - own);
+  const auto everywhere = [&](const std::string& old, const std::string& by) {
+    for (std::size_t at = 0; (at = uff.find(old, at)) != std::string::npos; at += by.size())
+      uff.replace(at, old.size(), by);
+  };
+  everywhere("hydrapod", "recorder");
+  everywhere(" of repeat ", " of session");
+  return uff;
+}
 /// Up to and with the n-th occurrence of `mark`.
 std::string until(const std::string& text, const std::string& mark, int n) {
   std::size_t at = 0;
@@ -104,10 +116,7 @@ void add_csv(std::vector<Damage>& all) {
 
 void add_uff(std::vector<Damage>& all) {
   const std::string uff = written(RecordFormat::uff_ascii);
-  const std::string first = until(uff, "    -1\n", 8);  // 151, 164, header, first function
-  const std::string own = uff.substr(uff.find("    -1\n 99001"),
-                                     first.rfind("    -1\n    58") - uff.find("    -1\n 99001"));
-  const std::string plain = replaced(uff, own, "");
+  const std::string plain = of_another_program(uff);
   all.insert(
       all.end(),
       {{"UFF", "one delimiter only", "    -1\n"},
@@ -137,12 +146,15 @@ void add_uff(std::vector<Damage>& all) {
 
 void add_uff_binary(std::vector<Damage>& all) {
   const std::string whole = written(RecordFormat::uff);
-  const std::size_t own = whole.find("    -1\n 99001"), function = whole.find("    -1\n    58b");
-  const std::string uff = whole.substr(0, own) + whole.substr(function);
+  const std::string uff = of_another_program(whole);
   const std::string bytes = "          11         160";
   all.insert(
       all.end(),
       {{"UFF 58b", "one bit of a sample", with_changed_sample(whole)},
+       {"UFF 58b", "hydrapod's dataset has another number",
+        replaced(whole, " 99001\n", " 99081\n")},
+       {"UFF 58b", "hydrapod's dataset and the name of the program are lost",
+        replaced(of_another_program(whole), "of session", "of repeat ")},
        {"UFF 58b", "cut within the last function's values", cut(uff, uff.size() - 50)},
        {"UFF 58b", "more bytes declared than the file has",
         replaced(uff, bytes, "          11999999999999")},

@@ -82,6 +82,29 @@ TEST(Wandering, AResonanceThatBecameTwinsIsNoMode) {
   }
 }
 
+/// Halves of shorter blocks tell what the record is too short for: with its own blocks no half has
+/// averages enough.
+TEST(Wandering, OfAShortRecordIsNamedToo) {
+  const auto system = five_masses();
+  for (const double duration : {75.0, 110.0}) {
+    SCOPED_TRACE(duration);
+    int named = 0, others = 0, of_still = 0;
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+      const auto found = tested_for_wandering(
+          drifting_record(system, {.mode = 1, .size = 0.04, .duration = duration}, seed));
+      const double frequency = std::abs(system.modes[1].pole) / (2.0 * std::numbers::pi);
+      for (const auto& warning : wandering_in(found))
+        ++(std::abs(warning.value / frequency - 1.0) < 0.03 ? named : others);
+      of_still += static_cast<int>(wandering_in(tested_for_wandering(drifting_record(
+                                                    system, {.duration = duration}, seed + 20)))
+                                       .size());
+    }
+    EXPECT_EQ(named, 3);
+    EXPECT_EQ(others, 0);
+    EXPECT_EQ(of_still, 0);
+  }
+}
+
 /// Quarters are fitted as they are read where they are long enough, and put together where they are
 /// not: what comes out is that of all spectra at once.
 TEST(Wandering, OfARecordIsThatOfItsGroups) {

@@ -280,6 +280,9 @@ struct IdentifyOptions {
   /// band has room for begin to stand for modes.
   int highest_residual_power{4};
   double fewest_samples{8.0};  ///< per period of a mode; with fewer aliasing is seen: a warning
+  /// Quality ≤ folded_quality with fewer than these per period: anti-alias filters pass up to the
+  /// sample rate/2.56, and beyond stands what is folded, for which the model has poles.
+  double filtered_samples{2.56}, folded_quality{0.3};
   double largest_misfit{2.0};  ///< ModalModel::misfit > this is a warning; 1 is noise alone
   /// A block shorter than this over the bandwidth ζ ω/π of a mode is a warning: modes nearer to
   /// each other come out as one. Where half of a loop's modes are, no quality exceeds the share.
@@ -351,7 +354,8 @@ struct LeftOut {
 struct ModeWarning {
   enum class Kind {
     no_mode,       ///< between `from` and `to` [Hz]
-    few_samples,   ///< value: samples per period of the highest mode; may be the image of `to`
+    few_samples,   ///< value: samples per period of the highest mode; may be the image of `to`;
+                   ///< `count` of `total` modes have fewer than anti-alias filters pass
     misfit,        ///< value: ModalModel::misfit
     unexplained,   ///< value: Unexplained::level of the worst response, from `from` to `to`; of
                    ///< `count` of `total` responses somewhere in the band
