@@ -19,12 +19,13 @@ void translate(std::exception_ptr thrown) {
     py::list findings;
     for (const auto& one : error.diagnostics())
       findings.append(py::make_tuple(one.severity == base::Severity::error ? "error" : "warning",
-                                     one.file, one.line, one.column, one.key, one.message));
+                                     in_words_of_python(one.file), one.line, one.column, one.key,
+                                     in_words_of_python(one.message)));
     const auto type = py::module_::import("hydrapod._errors").attr("InputError");
-    PyErr_SetObject(type.ptr(), py::make_tuple(error.what(), findings).ptr());
+    PyErr_SetObject(type.ptr(), py::make_tuple(in_words_of_python(error.what()), findings).ptr());
   } catch (const base::ComputationError& error) {
     const auto type = py::module_::import("hydrapod._errors").attr("ComputationError");
-    PyErr_SetString(type.ptr(), error.what());
+    PyErr_SetString(type.ptr(), in_words_of_python(error.what()).c_str());
   } catch (const std::filesystem::filesystem_error& error) {
     PyErr_SetObject(
         PyExc_OSError,

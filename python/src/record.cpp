@@ -35,16 +35,16 @@ std::vector<data::Channel> channels_of(const Names& names, const Names& units,
   return channels;
 }
 
-/// What the readers of files say, with the names of the arguments here.
-std::string in_words_of_python(std::string text) {
+/// What the readers of files say of the rate, with its name here.
+std::string with_name_of_rate(std::string text) {
   for (std::size_t at = 0; (at = text.find("--rate", at)) != std::string::npos;)
     text.replace(at, std::string("--rate").size(), "sample_rate");
   return text;
 }
 
-[[noreturn]] void throw_in_words_of_python(const base::InputError& error) {
+[[noreturn]] void throw_with_name_of_rate(const base::InputError& error) {
   auto diagnostics = error.diagnostics();
-  for (auto& one : diagnostics) one.message = in_words_of_python(one.message);
+  for (auto& one : diagnostics) one.message = with_name_of_rate(one.message);
   throw base::InputError(diagnostics);
 }
 
@@ -77,7 +77,7 @@ void take_samples(const Doubles& samples, const std::optional<Times>& times, con
     header.start = even.start;
     record.samples = std::move(even.samples);
   } catch (const base::InputError& error) {
-    throw_in_words_of_python(error);
+    throw_with_name_of_rate(error);
   }
   if (!made.has_unit_of_time)
     data::note_assumed_unit(data::times_taken_for_seconds, header.sample_rate, all.size(),
@@ -117,7 +117,7 @@ py::tuple record_of(const Doubles& samples, const std::optional<Times>& times,
   for (std::size_t k = 0; k < columns; ++k)
     if (factors[k] != 1.0) record->samples.col(static_cast<Eigen::Index>(k)) *= factors[k];
   auto words = texts(said.all());
-  for (auto& text : words) text = in_words_of_python(std::move(text));
+  for (auto& text : words) text = with_name_of_rate(std::move(text));
   return py::make_tuple(record, words);
 }
 

@@ -2,9 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <atomic>
+#include <cctype>
 #include <chrono>
 #include <cmath>
+#include <functional>
+#include <map>
 #include <thread>
 
 #include "hydrapod/base/error.hpp"
@@ -27,6 +31,32 @@ bool is_real(const py::handle& value) {
   return std::string_view("fiuO").find(kind.cast<std::string>()) != std::string_view::npos;
 }
 
+/// What the option `--word` of the command line is called here.
+std::string argument_of(const std::string& word) {
+  static const std::map<std::string, std::string, std::less<>> others{
+      {"accelerometer", "accelerometers"},
+      {"amplitude", "amplitudes"},
+      {"command", "commands"},
+      {"from", "from_"},
+      {"from-drive", "input_from=\"drive\""},
+      {"from-excitation", "input_from=\"excitation\""},
+      {"limit", "limits"},
+      {"open-loop", "closed=False"},
+      {"pade", "pade_order"},
+      {"parameter", "parameters"},
+      {"prior", "priors"},
+      {"profile", "profiles"},
+      {"sensor", "sensors"},
+      {"set", "with_"},
+      {"shm", "shared_memory"},
+      {"udp", "address"},
+      {"variable", "variables"}};
+  if (const auto at = others.find(word); at != others.end()) return at->second;
+  std::string name = word;
+  std::ranges::replace(name, '-', '_');
+  return name;
+}
+
 double seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
@@ -42,6 +72,27 @@ Json head_of_model(const char* kind, const Subject& machine) {
   auto json = report::head_json(kind, machine);
   json["model"] = dynamics::name(machine.kind);
   return json;
+}
+
+std::string in_words_of_python(const std::string& message) {
+  std::string out;
+  bool quoted = false;
+  for (std::size_t at = 0; at < message.size();) {
+    quoted = quoted != (message[at] == '`');
+    const bool begins =
+        at == 0 || std::string_view(" (\",\n").find(message[at - 1]) != std::string_view::npos;
+    std::size_t end = at + 2;
+    while (end < message.size() && (std::islower(static_cast<unsigned char>(message[end])) != 0 ||
+                                    (message[end] == '-' && end > at + 2)))
+      ++end;
+    if (quoted || !begins || !message.substr(at).starts_with("--") || end == at + 2) {
+      out += message[at++];
+      continue;
+    }
+    out += argument_of(message.substr(at + 2, end - at - 2));
+    at = end;
+  }
+  return out;
 }
 
 Call::Call() {

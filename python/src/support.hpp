@@ -199,6 +199,10 @@ T read_as(const py::handle& value, const std::string& name) {
   }
 }
 
+/// A message of the library, which calls options as the command line does, with the names of the
+/// arguments here; commands between backquotes stay.
+std::string in_words_of_python(const std::string& message);
+
 /// A number in SI, or a text with a unit; `name`: what messages call it. Throws base::InputError.
 double quantity(const py::handle& value, const char* unit, const std::string& name);
 /// A number in Hz or a text in Hz or rad/s [rad/s].

@@ -330,3 +330,18 @@ def test_designs_of_a_data_frame(heavy):
     table = pandas.DataFrame({sleeve: [1e6, 2e6], "platform.mass": [12e3, 14e3]}, index=[7, 9])
     np.testing.assert_array_equal(hydrapod.frequencies(heavy, table),
                                   hydrapod.frequencies(heavy, {path: table[path].to_numpy() for path in table}))
+
+
+@pytest.mark.parametrize("call, words", [
+    (lambda m: m.at("up"), "pose up"),
+    (lambda m: m.with_({"platform.mas": 3.0}), "with_ platform.mas=3"),
+    (lambda m: hydrapod.simulate(m, initial="x=1 mm", actuators="held"), "initial x=1 mm: "),
+    (lambda m: hydrapod.simulate(m, "step z=1 mm", actuators="springs"), "commands: error: without the controller"),
+    (lambda m: hydrapod.sensitivity(m, ["platform.mas"]), "parameters platform.mas"),
+    (lambda m: hydrapod.design(m, {sleeve: "1:50 kN/mm"}, want="x >= 3 Hz", minimise="cost"), "minimise cost")])
+def test_messages_call_arguments_by_their_names(heavy, call, words):
+    """The library's messages name options of the command line; here they are keyword arguments."""
+    with pytest.raises((hydrapod.InputError, hydrapod.ComputationError)) as error:
+        call(heavy)
+    assert words in str(error.value)
+    assert "--" not in str(error.value)
