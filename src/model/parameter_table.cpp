@@ -3,6 +3,7 @@
 #include <array>
 
 #include "parameter_rows.hpp"
+#include "value_checks.hpp"
 
 namespace hydrapod::model {
 
@@ -54,6 +55,17 @@ bool belongs_to(LegType type, std::string_view path) {
   if (key == "screw") return type == LegType::screw;
   if (std::ranges::find(of_oil, key) != of_oil.end()) return type == LegType::cylinder;
   return type != LegType::strut || std::ranges::find(of_cylinders, key) == of_cylinders.end();
+}
+
+const std::vector<bool>& rows_of(LegType type) {
+  const auto found = [](LegType of) {
+    std::vector<bool> rows;
+    for (const auto& row : parameter_table()) rows.push_back(belongs_to(of, row.path));
+    return rows;
+  };
+  static const std::array all{found(LegType::cylinder), found(LegType::strut),
+                              found(LegType::screw)};
+  return all[static_cast<std::size_t>(type)];
 }
 
 }  // namespace hydrapod::model

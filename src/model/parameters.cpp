@@ -9,6 +9,7 @@
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/model/machine_file.hpp"
 #include "hydrapod/model/section.hpp"
+#include "value_checks.hpp"
 
 namespace hydrapod::model {
 
@@ -34,18 +35,6 @@ bool may_be_whole(const ParameterRow& row) {
 int index_of(const ParameterId& id) {
   if (is_of_legs(row_of(id))) return id.legs == 0 ? 0 : std::countr_zero(unsigned{id.legs});
   return id.of - 1;
-}
-
-/// belongs_to() of every row, for machines of that type.
-const std::vector<bool>& rows_of(LegType type) {
-  const auto found = [](LegType of) {
-    std::vector<bool> rows;
-    for (const auto& row : parameter_table()) rows.push_back(belongs_to(of, row.path));
-    return rows;
-  };
-  static const std::array all{found(LegType::cylinder), found(LegType::strut),
-                              found(LegType::screw)};
-  return all[static_cast<std::size_t>(type)];
 }
 
 std::optional<double> value_in(const Machine& machine, const ParameterId& id, int index) {

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <optional>
+#include <utility>
 
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/model/machine_file.hpp"
@@ -110,12 +112,14 @@ class Unusual {
 
   /// Do all legs have this number? Then leg 1 stands for them.
   [[nodiscard]] bool shared(ParameterId id) const {
+    const auto [known, is_new] = shared_.try_emplace({id.row, id.element}, true);
+    if (!is_new) return known->second;
     const auto first = value(machine_, id);
-    for (id.of = 1; id.of <= leg_count; ++id.of) {
+    for (id.of = 1; id.of <= leg_count && known->second; ++id.of) {
       id.legs = static_cast<std::uint16_t>(1U << static_cast<unsigned>(id.of - 1));
-      if (value(machine_, id) != first) return false;
+      known->second = value(machine_, id) == first;
     }
-    return true;
+    return known->second;
   }
   [[nodiscard]] bool shared_before(const ParameterId& id) const {
     return row_of(id).path.starts_with(of_legs) && id.of > 1 && shared(id);
@@ -190,6 +194,7 @@ class Unusual {
 
   const Machine& machine_;
   UnusualNumbers result_{};
+  mutable std::map<std::pair<std::uint16_t, std::int16_t>, bool> shared_{};  ///< row and element
 };
 
 }  // namespace

@@ -70,11 +70,12 @@ bool ValueChecks::within(std::string_view key, double value, std::string_view un
 
 void ValueChecks::rows(const Machine& machine, std::optional<int> leg) {
   auto& from = const_cast<Machine&>(machine);
-  for (const auto& row : parameter_table()) {
+  const auto table = parameter_table();
+  for (std::size_t r = 0; r < table.size(); ++r) {
+    const auto& row = table[r];
     const bool of_leg = row.path.starts_with(of_legs);
     if (row.in_code || row.find == nullptr || of_leg != leg.has_value()) continue;
-    if (leg && !belongs_to(leg_type(machine.legs[static_cast<std::size_t>(*leg)]), row.path))
-      continue;
+    if (leg && !rows_of(leg_type(machine.legs[static_cast<std::size_t>(*leg)]))[r]) continue;
     const auto key = of_leg ? row.path.substr(of_legs.size()) : row.path;
     const auto unit = unit_of(machine, row);
     for (int k = 0; k < row.numbers; ++k) {

@@ -82,6 +82,22 @@ TEST(Wandering, AResonanceThatBecameTwinsIsNoMode) {
   }
 }
 
+/// An excitation that grows leaves both halves enough.
+TEST(Wandering, UnderAGrowingExcitationTheModeThatDriftsIsNamed) {
+  const auto system = five_masses();
+  for (std::uint64_t seed = 1; seed <= 2; ++seed) {
+    const auto named = wandering_in(tested_for_wandering(
+        drifting_record(system, {.mode = 2, .duration = 240.0, .growth = 4.0}, seed)));
+    ASSERT_EQ(named.size(), 1U) << seed;
+    EXPECT_NEAR(named[0].value / (std::abs(system.modes[2].pole) / (2.0 * std::numbers::pi)), 1.0,
+                0.01);
+    EXPECT_TRUE(wandering_in(tested_for_wandering(drifting_record(
+                                 system, {.duration = 240.0, .growth = 4.0}, seed + 30)))
+                    .empty())
+        << seed;
+  }
+}
+
 /// Halves of shorter blocks tell what the record is too short for: with its own blocks no half has
 /// averages enough.
 TEST(Wandering, OfAShortRecordIsNamedToo) {

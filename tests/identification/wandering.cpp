@@ -12,9 +12,9 @@ data::Record drifting_record(const test::ModalSystem& system, const Drift& d, st
   Eigen::VectorXcd state = Eigen::VectorXcd::Zero(static_cast<Eigen::Index>(system.modes.size()));
   for (Eigen::Index k = -settling; k < samples; ++k) {
     Eigen::VectorXd u(system.inputs()), y = Eigen::VectorXd::Zero(system.outputs());
-    for (double& x : u) x = test::normal(random);
     const double share =
         static_cast<double>(std::max<Eigen::Index>(k, 0)) / static_cast<double>(samples);
+    for (double& x : u) x = std::pow(d.growth, share) * test::normal(random);
     for (std::size_t r = 0; r < system.modes.size(); ++r) {
       const auto& mode = system.modes[r];
       auto& q = state[static_cast<Eigen::Index>(r)];

@@ -13,6 +13,7 @@ struct Drift {
   double noise{0.01};         ///< of each output's RMS
   double duration{300.0};     ///< [s]
   double sample_rate{200.0};  ///< [Hz]
+  double growth{1.0};         ///< of the inputs from the beginning to the end, exponential in time
 };
 
 data::Record drifting_record(const test::ModalSystem& system, const Drift& d, std::uint64_t seed);

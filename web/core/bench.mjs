@@ -14,13 +14,14 @@ const document = JSON.parse(/id="data">([^<]*)</.exec(readFileSync(file, 'utf8')
 const { core, call, give, taken } = await startCore();
 
 const lines = 2000;
-function sweep(from, to) {
-  give(Float64Array.from({ length: lines }, (_, k) => from * (to / from) ** (k / (lines - 1))));
+function sweep(omega) {
+  give(omega);
   return taken(core.core_sweep());
 }
 
 call('core_open', document.editable);
-const bode = document.poses[0].bode;
+const { from_rad_s: from, to_rad_s: to } = document.poses[0].bode;
+const omega = Float64Array.from({ length: lines }, (_, k) => from * (to / from) ** (k / (lines - 1)));
 const own = JSON.parse(call('core_compute', { set: [], pose: 0, points: 600 }));
 const stiffness = document.editable.numbers['legs.guide_sleeve.stiffness'][0][0];
 const times = { modes: [], parse: [], sweep: [], all: [] };
@@ -32,7 +33,7 @@ for (let k = 0; k < Number(count); ++k) {
   const computed = performance.now();
   JSON.parse(text);
   const parsed = performance.now();
-  sweep(bode.from_rad_s, bode.to_rad_s);
+  sweep(omega);
   const end = performance.now();
   times.modes.push(computed - begin);
   times.parse.push(parsed - computed);

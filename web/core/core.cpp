@@ -200,7 +200,8 @@ model::NamedPose Core::pose(const model::Machine& machine, const Json& request) 
 }
 
 Json Core::compute(const Json& request) {
-  swept_.reset();
+  swept_.clear();
+  swept_.reserve(2);
   const auto machine = changed(request.at("set"));
   const auto shown = pose(machine, request);
   auto findings = kinematics::check_machine(machine);
@@ -211,13 +212,14 @@ Json Core::compute(const Json& request) {
   if (has_error(findings)) return json;
   try {
     const auto table = modal::mode_table(machine, shown.X_BP, kind_);
-    const bool brief = request.value("brief", false);
+    direct_ = request.value("brief", false);
     json["pose"] =
-        brief ? report::brief_pose_report(shown, table)
-              : report::pose_report(machine, shown, table, request.at("points").get<int>());
+        direct_ ? report::brief_pose_report(shown, table)
+                : report::pose_report(machine, shown, table, request.at("points").get<int>());
     const auto& p_PC = machine.platform.mass_center;
-    swept_.emplace(Swept{responses_at(table.real, table, p_PC),
-                         responses_at(table.rigid, table, p_PC), brief});
+    for (const auto* model : {&table.real, &table.rigid})
+      swept_.push_back({responses_at(*model, table, p_PC),
+                        direct_ ? damped_shapes(*model) : response::DampedShapes{}});
   } catch (const base::ComputationError& error) {
     json["problem"] = error.what();
   }
@@ -226,15 +228,12 @@ Json Core::compute(const Json& request) {
 
 std::vector<double> Core::sweep(const std::vector<double>& omega) const {
   std::vector<double> numbers;
-  if (!swept_) return numbers;
-  numbers.reserve((swept_->direct ? 24 : 144) * omega.size());
-  for (const auto* model : {&swept_->real, &swept_->rigid}) {
-    const auto H = response::frequency_response(*model, omega);
-    if (swept_->direct)
-      add_direct_responses(H, numbers);
+  numbers.reserve((direct_ ? 12 : 72) * swept_.size() * omega.size());
+  for (const auto& [model, damped] : swept_)
+    if (direct_)
+      add_direct_responses(response::direct_responses(model, damped, omega).H, numbers);
     else
-      add_responses(H, numbers);
-  }
+      add_responses(response::frequency_response(model, omega), numbers);
   return numbers;
 }
 

@@ -17,6 +17,7 @@
 #include "hydrapod/model/parameters.hpp"
 #include "hydrapod/report/json.hpp"
 #include "hydrapod/response/frequency_response.hpp"
+#include "response/direct_responses.hpp"
 
 namespace hydrapod::page {
 
@@ -84,8 +85,8 @@ class Core {
     spatial::Pose X{};                ///< else: displacement from the neutral pose
   };
   struct Swept {
-    response::ResponseModel real{}, rigid{};
-    bool direct{};  ///< the direct responses alone are asked for
+    response::ResponseModel model{};
+    response::DampedShapes damped{};  ///< where the direct responses alone are asked for
   };
 
   [[nodiscard]] model::Machine changed(const Json& set) const;
@@ -96,7 +97,8 @@ class Core {
   dynamics::ModelKind kind_{};
   std::vector<Shown> shown_{};
   std::vector<std::pair<std::string, model::ParameterId>> parameters_{};
-  std::optional<Swept> swept_{};
+  std::vector<Swept> swept_{};  ///< flexible and rigid legs
+  bool direct_{};               ///< the direct responses alone are asked for
 };
 
 }  // namespace hydrapod::page

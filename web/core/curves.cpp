@@ -71,6 +71,21 @@ response::ResponseModel responses_at(const modal::AnalysedModel& model,
   return response::response_model(model.linear, model.normal, table.ratio.value, p_PQ);
 }
 
+response::DampedShapes damped_shapes(const modal::AnalysedModel& model) {
+  const auto n = static_cast<Eigen::Index>(model.modes.size());
+  if (n != model.normal.size()) return {};
+  response::DampedShapes damped{.real = dynamics::ModelMatrix(n, n),
+                                .imaginary = dynamics::ModelMatrix(n, n)};
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const auto& mode = model.modes[static_cast<std::size_t>(k)].mode;
+    if (!(mode.pole.imag() > 0.0)) return {};
+    damped.poles.push_back(mode.pole);
+    damped.real.col(k) = mode.real;
+    damped.imaginary.col(k) = mode.imaginary;
+  }
+  return damped;
+}
+
 void add_responses(std::span<const response::Matrix6c> H, std::vector<double>& numbers) {
   for (const auto& at : H)
     for (int output = 0; output < 6; ++output)
@@ -80,12 +95,9 @@ void add_responses(std::span<const response::Matrix6c> H, std::vector<double>& n
       }
 }
 
-void add_direct_responses(std::span<const response::Matrix6c> H, std::vector<double>& numbers) {
-  for (const auto& at : H)
-    for (int direction = 0; direction < 6; ++direction) {
-      numbers.push_back(at(direction, direction).real());
-      numbers.push_back(at(direction, direction).imag());
-    }
+void add_direct_responses(std::span<const response::DirectLine> H, std::vector<double>& numbers) {
+  const auto* first = reinterpret_cast<const double*>(H.data());  // re, im, re, im, …
+  numbers.insert(numbers.end(), first, first + 12 * H.size());
 }
 
 std::vector<double> bode_curves(const modal::ModeTable& table, const spatial::Vector3& p_PQ,

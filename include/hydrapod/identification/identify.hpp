@@ -466,8 +466,8 @@ struct WanderOptions {
   double least_degrees{6.0};
   /// A part tells of a mode where each input has more than least_excitation of its density in the
   /// whole record there: a sweep passes a mode in one part of the record, and in the others its
-  /// response is noise and what rings down. At half of it, noise is twice what it should be.
-  double least_excitation{0.5};
+  /// response is what rings down. An excitation that grows to four times what it was has 0.4.
+  double least_excitation{0.15};
 };
 
 struct Wandering {
