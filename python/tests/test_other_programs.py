@@ -79,7 +79,7 @@ def test_wrong_payloads(heavy, structure, call, error, words):
 
 
 def test_a_payload_is_not_heavier_than_its_platform(heavy, structure):
-    with pytest.raises(hydrapod.InputError, match="--add-mass"):
+    with pytest.raises(hydrapod.InputError, match="with add_mass"):
         hydrapod.attach(heavy.with_({"platform.mass": "30 kg"}), structure / "K.mtx", structure / "M.mtx")
 
 
