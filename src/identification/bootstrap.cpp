@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <stdexcept>
@@ -33,6 +34,11 @@ CrossSpectra averaged_spectra(const std::vector<CrossSpectra>& groups,
   sum.input_power.setZero();
   if (sum.noise_re.size() > 0)
     throw std::invalid_argument("periods are averaged as signals, not as spectra");
+  // a group of which it is not known: a sample beyond all bounds
+  const bool is_known = std::ranges::all_of(picks, [&](std::size_t g) {
+    return groups.at(g).input_power.size() == sum.input_power.size();
+  });
+  if (!is_known) sum.input_power.resize(0);
   sum.blocks = 0;
   sum.records = 0;
   for (const std::size_t g : picks) {
@@ -40,7 +46,7 @@ CrossSpectra averaged_spectra(const std::vector<CrossSpectra>& groups,
     const auto weight = static_cast<double>(group.blocks);
     sum.re += weight * group.re;
     sum.im += weight * group.im;
-    sum.input_power += weight * group.input_power;
+    if (is_known) sum.input_power += weight * group.input_power;
     sum.blocks += group.blocks;
     sum.records += group.records;
   }

@@ -137,5 +137,25 @@ TEST(CrossCheck, OfAChainIsTheSame) {
   EXPECT_TRUE(!cross_checks[2].has_value() || !cross_checks[2]->agrees);
 }
 
+/// A sample beyond all bounds leaves a group without the power of its inputs.
+TEST(Bootstrap, GroupsOfWhichOneHasNoPowerOfTheInputsAreAveraged) {
+  CrossSpectra one;
+  one.options.block_length = 8;
+  one.window = Eigen::VectorXd::Ones(8);
+  one.re = Eigen::MatrixXd::Constant(3, 1, 1.7);
+  one.im = Eigen::MatrixXd::Zero(3, 1);
+  one.blocks = 2;
+  one.input_power = Eigen::VectorXd::Ones(8);
+  CrossSpectra other = one;
+  other.re *= 3.0;
+  other.input_power.resize(0);
+  for (const auto& picks : {std::vector<std::size_t>{0, 1}, std::vector<std::size_t>{1, 0}}) {
+    const auto mean = averaged_spectra({one, other}, picks);
+    EXPECT_EQ(mean.input_power.size(), 0);
+    EXPECT_NEAR(mean.re(2, 0), 3.4, 1e-15);
+  }
+  EXPECT_EQ(averaged_spectra({one, one}, {0, 1}).input_power, one.input_power);
+}
+
 }  // namespace
 }  // namespace hydrapod::identification
