@@ -195,7 +195,7 @@ class QuietRows {
         return are_within<2>(limit, steps, rows.rows());
       case 3:
         return are_within<3>(limit, steps, rows.rows());
-      default:
+      default:  // more outputs than LostRowsOptions asks for
         return false;
     }
   }

@@ -61,12 +61,16 @@ void warn_of_few_samples(const IdentifyOptions& options, Identification& result)
   ModeWarning warning{.kind = ModeWarning::Kind::few_samples,
                       .value = samples,
                       .to = samples < folded ? rate - frequency : 0.0};
+  const double pass_band = rate / options.filtered_samples;
   for (auto& mode : result.modes) {
-    if (!(mode.fit.omega() / two_pi * options.filtered_samples > rate)) continue;
+    if (!(mode.fit.omega() / two_pi > pass_band)) continue;
     mode.explained = std::min(mode.explained, options.folded_quality);
     ++warning.count;
   }
-  if (warning.count > 0) warning.total = std::ssize(result.modes);
+  if (warning.count > 0) {
+    warning.from = pass_band;
+    warning.total = std::ssize(result.modes);
+  }
   result.warnings.push_back(warning);
 }
 

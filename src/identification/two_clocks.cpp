@@ -392,8 +392,7 @@ std::optional<ClockDifference> ClockSearch::result() const {
   constexpr Index enough = 8;  // entries
   const auto some = some_entries(parts.parts(), enough);
   const ClockLikelihood of_some(some, plan, rate);
-  constexpr double share = 0.25;  // of the evidence: entries differ
-  const double least = share * options.evidence * of_some.entries();
+  const double least = options.worth_refining * options.evidence * of_some.entries();
   const double ratio = best_ratio(of_some, plan, options, least);
   if (ratio == 0.0) return {};
   const Eigen::ArrayXXd of_clock = likelihood(ratio), as_it_is = likelihood(0.0),

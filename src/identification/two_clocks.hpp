@@ -34,6 +34,8 @@ struct TwoClocksOptions {
   /// same, and without the quarter of the lines that says most. Chance makes that once in e^20 for
   /// each ε.
   double evidence{20.0};
+  /// ε is refined where some of the outputs and inputs gain more than this share of `evidence`.
+  double worth_refining{0.25};
   /// An output keeps its clock where L(0) − L(ε) of it alone > own_clock.
   double own_clock{4.0};
   int block{2048};          ///< [samples] at most

@@ -129,6 +129,7 @@ TEST(Identify, AModeWithFewerThanThreeSamplesPerPeriodMayBeAnImage) {
   EXPECT_NEAR(found.warnings[0].value, 2.42, 0.02);
   EXPECT_NEAR(found.warnings[0].to, 300.0, 1.0);
   EXPECT_EQ(found.warnings[0].count, 1);
+  EXPECT_DOUBLE_EQ(found.warnings[0].from, 200.0);  // 512/2.56
   EXPECT_LE(found.modes.back().quality(), 0.3);
   const auto enough = identify_modes(responses(1200.0), {.to = 100.0});
   EXPECT_TRUE(std::ranges::none_of(enough.warnings, [](const ModeWarning& w) {

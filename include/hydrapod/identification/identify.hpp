@@ -355,7 +355,7 @@ struct ModeWarning {
   enum class Kind {
     no_mode,       ///< between `from` and `to` [Hz]
     few_samples,   ///< value: samples per period of the highest mode; may be the image of `to`;
-                   ///< `count` of `total` modes have fewer than anti-alias filters pass
+                   ///< `count` of `total` modes above `from`, which anti-alias filters cut
     misfit,        ///< value: ModalModel::misfit
     unexplained,   ///< value: Unexplained::level of the worst response, from `from` to `to`; of
                    ///< `count` of `total` responses somewhere in the band
@@ -466,7 +466,7 @@ struct WanderOptions {
   double least_degrees{6.0};
   /// A part tells of a mode where each input has more than least_excitation of its density in the
   /// whole record there: a sweep passes a mode in one part of the record, and in the others its
-  /// response is what rings down. An excitation that grows to four times what it was has 0.4.
+  /// response is what rings down. The first half of noise that grows to four times its RMS has 0.4.
   double least_excitation{0.15};
 };
 
