@@ -8,11 +8,15 @@
 
 #include <optional>
 #include <type_traits>
+#include <vector>
 
 #include "hydrapod/model/machine.hpp"
 #include "hydrapod/model/parameters.hpp"
 
 namespace hydrapod::model {
+
+/// belongs_to() of every row of the table, for legs of that type.
+const std::vector<bool>& rows_of(LegType type);
 
 /// What an optional part holds, made where it is left out and `make` asks for it; else null.
 template <bool make, class T>

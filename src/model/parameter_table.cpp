@@ -3,7 +3,6 @@
 #include <array>
 
 #include "parameter_rows.hpp"
-#include "value_checks.hpp"
 
 namespace hydrapod::model {
 

@@ -9,7 +9,7 @@
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/model/machine_file.hpp"
 #include "hydrapod/model/section.hpp"
-#include "value_checks.hpp"
+#include "parameter_access.hpp"
 
 namespace hydrapod::model {
 

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <optional>
 
+#include "parameter_access.hpp"
+
 namespace hydrapod::model {
 
 namespace {

@@ -18,9 +18,6 @@ namespace hydrapod::model {
 /// its reciprocal do when they are divided by.
 inline constexpr double largest_number = 1e30;
 
-/// belongs_to() of every row of the table, for legs of that type.
-const std::vector<bool>& rows_of(LegType type);
-
 enum class NonFinite {
   report,
   ignore  ///< NaN stands for a value whose absence has been reported
