@@ -94,6 +94,19 @@ def path_or_none(value: Any, name: str) -> Optional[str]:
     return None if value is None else path(value, name)
 
 
+def output(value: Any, name: str, *inputs: str) -> str:
+    """The path of a file to write, which is none of those that are read."""
+    target = path(value, name)
+    for given in inputs:
+        if given and os.path.exists(target) and os.path.exists(given) and os.path.samefile(target, given):
+            raise ValueError(f"{name}: {target!r} is the input, and was left as it is; choose another name")
+    return target
+
+
+def output_or_none(value: Any, name: str, *inputs: str) -> Optional[str]:
+    return None if value is None else output(value, name, *inputs)
+
+
 def words(given: Any, name: str) -> List[str]:
     """A text or several."""
     if isinstance(given, str):

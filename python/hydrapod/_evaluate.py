@@ -33,12 +33,12 @@ def evaluate(machine: Machine, parameters: Path, results: Optional[Path] = None,
     failure, by_differences, id. A design that has no outputs is no error: the text says FAIL. Raises InputError for a file that cannot be read, an unknown variable,
     output or request. Source: docs/howto/study.md. C++: tasks::evaluate in hydrapod/tasks/study.hpp.
     """
-    given, target = _paths(variables, "variables"), _checks.path_or_none(results, "results")
+    core, asked = _core_of(machine), _checks.path(parameters, "parameters")
+    given, target = _paths(variables, "variables"), _checks.output_or_none(results, "results", core.path, asked)
     done = Evaluation(*_core.evaluate(
-        _core_of(machine), _checks.path(parameters, "parameters"),
+        core, asked,
         [f"{name}={_checks.word(what, f'variables of {name}')}" for name, what in given.items()],
         _checks.words(functions, "functions")))
     if target is not None:
-        with open(target, "w", encoding="utf-8") as file:
-            file.write(done.text)
+        _core.write_text(target, done.text)
     return done

@@ -59,7 +59,8 @@ def export(machine: Machine, path: Path, *, to: Optional[str] = None, system: Op
     takes some ms, of plant and loop some tens. Raises InputError where a format cannot hold the machine; nothing is
     written then. Source: docs/howto/exchange.md. C++: tasks::export_machine in hydrapod/tasks/linear.hpp.
     """
-    name = _checks.path(path, "path")
+    core = _core_of(machine)
+    name = _checks.output(path, "path", core.path)
     if to is None:
         ending = os.path.splitext(name)[1].lstrip(".").lower()
         if ending not in _formats:
@@ -68,7 +69,7 @@ def export(machine: Machine, path: Path, *, to: Optional[str] = None, system: Op
         to = _formats[ending]
     _checks.word(to, "to")
     options = _system(system, sample_time, sampled, pade_order, inputs, outputs, point, reduce)
-    files, parity = _core.export_machine(_core_of(machine), {
+    files, parity = _core.export_machine(core, {
         **options, **_checks.options(path=name, to=to, leg_modes=leg_modes, approximate=approximate,
                                      free_base=_checks.flag(free_base, "free_base"),
                                      measure=_checks.flag(measure, "measure"))})

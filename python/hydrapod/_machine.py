@@ -201,8 +201,7 @@ class Machine:
 
     def write(self, path: Union[str, "os.PathLike[str]"]) -> None:
         """Writes a machine file with the overrides in it. The pose is not part of it."""
-        with open(_checks.path(path, "path"), "w", encoding="utf-8") as file:
-            file.write(self.applied_text)
+        _core.write_text(_checks.path(path, "path"), self.applied_text)
 
     @property
     def overrides(self) -> List[str]:

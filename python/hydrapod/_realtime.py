@@ -60,7 +60,7 @@ def serve(machine: Machine, address: Union[int, str] = 4747, *, bind: Optional[s
         once=once, hold=hold, ramp=ramp, patience=patience, rest=rest,
         duration=duration, fifo=fifo, busy=busy,
         integrator=integrator, step=step, tolerance=tolerance, seed=seed, ideal_sensors=ideal_sensors,
-        record=_checks.path_or_none(record, "record"))}, ready, progress)
+        record=_checks.output_or_none(record, "record", _core_of(machine).path))}, ready, progress)
 
 
 def packet_layout(machine: Machine, *, accelerometers: Optional[List[str]] = None) -> str:
@@ -143,7 +143,7 @@ def rig(machine: Machine, record: Optional[Path] = None, *, excite: Texts = (), 
         _one_kind_of_rig(False, layout=layout, key=key, limits=limits, ramp=ramp, ramp_down=ramp_down,
                          watchdog=watchdog, fifo=fifo)
     return RigRun(**_core.rig(_core_of(machine), {**_accelerometers(accelerometers), **_checks.options(
-        record=_checks.path_or_none(record, "record"), excite=_checks.words(excite, "excite"), entry=entry,
+        record=_checks.output_or_none(record, "record", _core_of(machine).path), excite=_checks.words(excite, "excite"), entry=entry,
         duration=duration, averages=averages, settling=settling, rate=rate, oversampling=oversampling,
         seed=seed, repeat=repeat,
         length_sensor=length_sensor,

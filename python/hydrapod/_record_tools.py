@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from typing import Any, List, NamedTuple, Optional, Union
 
 from . import _checks, _core
@@ -42,14 +41,6 @@ class VerifiedRecord(NamedTuple):
     channels: int
     checksum: str  #: holds, differs or none: another program wrote the file, its format has none, it is not complete
     warnings: List[str]
-
-
-def _output(path: Path, given: str) -> str:
-    """The file to write, which is not the one that is read."""
-    name = _checks.path(path, "path")
-    if os.path.exists(name) and os.path.exists(given) and os.path.samefile(name, given):
-        raise ValueError(f"{name!r} is the input, and was left as it is; choose another name")
-    return name
 
 
 def show_record(record: Union[Path, Record], *, rate: Optional[Quantity] = None, spectra: bool = False,
@@ -123,7 +114,7 @@ def _rewrite(how: str, record: Union[Path, Record], path: Path, progress: Option
              **given: Any) -> WrittenRecord:
     with files_of(record) as files:
         return WrittenRecord(*_core.rewrite_record(
-            how, _checks.options(file=_only(files, "record"), output=_output(path, files[0]), **given), progress))
+            how, _checks.options(file=_only(files, "record"), output=_checks.output(path, "path", files[0]), **given), progress))
 
 
 def plot_record(record: Union[Path, Record], path: Path, *, channels: Texts = (), rate: Optional[Quantity] = None,
@@ -137,7 +128,7 @@ def plot_record(record: Union[Path, Record], path: Path, *, channels: Texts = ()
     """
     with files_of(record) as files:
         shown, there, warnings = _core.plot_record(
-            _checks.options(file=_only(files, "record"), output=_output(path, files[0]),
+            _checks.options(file=_only(files, "record"), output=_checks.output(path, "path", files[0]),
                             channels=_checks.words(channels, "channels"), rate=rate), progress)
     left = [f"the first {shown} of {there} channels are shown; channels chooses others"] \
         if not channels and shown < there else []
@@ -168,4 +159,4 @@ def recover_record(damaged: Path, to: Path, *, format: Optional[str] = None, rat
     """
     given = _checks.path(damaged, "damaged")
     return RecoveredRecord(*_core.recover_record(
-        _checks.options(file=given, output=_output(to, given), format=format, rate=rate), progress))
+        _checks.options(file=given, output=_checks.output(to, "to", given), format=format, rate=rate), progress))

@@ -54,10 +54,11 @@ def _run(machine: Machine, kind: str, progress: Optional[Progress], results: Opt
     if results is None and (shard is not None or options.get("resume") or options.get("join")):
         raise ValueError("results: shard, resume and join need the file of the rows")
     with tempfile.TemporaryDirectory(prefix="hydrapod-") as folder:
-        path = os.path.join(folder, "study.h5") if results is None else _checks.path(results, "results")
+        core = _core_of(machine)
+        path = os.path.join(folder, "study.h5") if results is None else _checks.output(results, "results", core.path)
         for name in ("want", "only", "also", "correlate", "commands"):
             options[name] = _checks.words(options.get(name, ()), name)
-        return _core.study(_core_of(machine), kind, _checks.options(results=path, **options), progress)
+        return _core.study(core, kind, _checks.options(results=path, **options), progress)
 
 
 def _with_outputs(machine: Machine, kind: str, progress: Optional[Progress], results: Optional[Path],

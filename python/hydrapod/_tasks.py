@@ -225,7 +225,7 @@ def simulate(machine: Machine, commands: Texts = (), *, wrench: Texts = (), init
         actuators=actuators, until=until,
         integrator=integrator, tolerance=tolerance, step=step, seed=seed, ideal_sensors=ideal_sensors,
         output_interval=output_interval, trace_samples=trace_samples,
-        record=_checks.path_or_none(record, "record")), progress)
+        record=_checks.output_or_none(record, "record", _core_of(machine).path)), progress)
 
 
 # --- measurements ---------------------------------------------------------------------------------
@@ -481,11 +481,11 @@ def report(machine: Machine, path: Optional[Path] = None, *, poses: Texts = (), 
     _refuse_idle(diagnose is not None, "diagnose", want=want)
     _refuse_idle(measured is not None or diagnose is not None, "measured or diagnose",
                  against=None if against == "auto" else against)
-    target = _checks.path_or_none(path, "path")
     shown = [_checks.whole(mode, "modes") for mode in _list(modes, "modes")]
     with files_of(() if measured is None else measured) as records, \
             files_of(() if diagnose is None else diagnose) as causes, \
             files_of(() if compare is None else compare) as comparison, all_or_none(progress) as told:
+        target = _checks.output_or_none(path, "path", _core_of(machine).path, *records, *causes, *comparison)
         result = _core.report(_core_of(machine), {"modes": shown, **_checks.options(
             poses=_checks.words(poses, "poses"), title=title, theme=theme, points=points,
             commands=None if commands is None else _checks.words(commands, "commands"), until=until, samples=samples,

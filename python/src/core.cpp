@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "hydrapod/base/error.hpp"
+#include "hydrapod/base/file.hpp"
 #include "hydrapod/base/version.hpp"
 #include "support.hpp"
 
@@ -54,6 +55,8 @@ PYBIND11_MODULE(_core, module) {
   module.doc() = "hydrapod's tasks as an extension module; see hydrapod.";
   module.attr("version") = hydrapod::base::version;
   py::register_exception_translator(&translate);
+  module.def("write_text", &hydrapod::base::write_file_whole, py::arg("path"), py::arg("text"),
+             "Writes a file whole, or leaves what is there.");
   py::class_<Result, std::shared_ptr<Result>>(module, "Result")
       .def_property_readonly(
           "json", [](const Result& result) { return result.document().dump(); },

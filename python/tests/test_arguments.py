@@ -332,6 +332,35 @@ def test_designs_of_a_data_frame(heavy):
                                   hydrapod.frequencies(heavy, {path: table[path].to_numpy() for path in table}))
 
 
+@pytest.mark.parametrize("write", [
+    lambda m, path: hydrapod.montecarlo(m, {sleeve: "normal ± 1 %"}, samples=20, results=path),
+    lambda m, path: hydrapod.sweep(m, {sleeve: [7e6, 8e6]}, results=path),
+    lambda m, path: hydrapod.workspace_map(m, {"x": "-3:3:2 mm"}, results=path),
+    lambda m, path: hydrapod.report(m, path), lambda m, path: hydrapod.export(m, path, to="mjcf"),
+    lambda m, path: hydrapod.rig(m, path, duration=0.5), lambda m, path: hydrapod.simulate(m, until=0.1, record=path),
+    lambda m, path: hydrapod.serve(m, 0, record=path, duration=0.1),
+    lambda m, path: hydrapod.evaluate(m, m.path, path)])
+def test_no_output_is_an_input(heavy, tmp_path, write):
+    """Whatever it is called: the files are compared."""
+    machine_file, link = tmp_path / "machine.toml", tmp_path / "link.h5"
+    heavy.write(machine_file)
+    link.symlink_to(machine_file)
+    machine, before = hydrapod.read_machine(machine_file), machine_file.read_bytes()
+    for path in (machine_file, link):
+        with pytest.raises(ValueError, match="is the input, and was left as it is"):
+            write(machine, path)
+    assert machine_file.read_bytes() == before
+
+
+def test_a_report_does_not_replace_what_it_shows(heavy, tmp_path):
+    record = tmp_path / "run.h5"
+    hydrapod.rig(heavy, record, duration=20)
+    before = record.read_bytes()
+    with pytest.raises(ValueError, match="is the input, and was left as it is"):
+        hydrapod.report(heavy, record, measured=record)
+    assert record.read_bytes() == before
+
+
 @pytest.mark.parametrize("call, words", [
     (lambda m: m.at("up"), "pose up"),
     (lambda m: m.with_({"platform.mas": 3.0}), "with_ platform.mas=3"),
