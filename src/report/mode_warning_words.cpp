@@ -39,11 +39,11 @@ std::string warning_text(const identification::ModeWarning& w) {
                                    "anti-alias filter was used",
                                    w.to)
                      : "",
-          w.count > 0
-              ? fmt::format("; {} of {} modes are above {:.4g} Hz, where anti-alias filters "
-                            "begin to cut: without such a filter they may be what is folded",
-                            w.count, w.total, w.from)
-              : "");
+          w.count > 0 ? fmt::format("; {} of {} modes {} above {:.4g} Hz, where anti-alias filters "
+                                    "begin to cut: without such a filter {} may be what is folded",
+                                    w.count, w.total, w.count == 1 ? "is" : "are", w.from,
+                                    w.count == 1 ? "it" : "they")
+                      : "");
     case Kind::misfit:
       return fmt::format(
           "the modal model misses the responses by {:.1f} times their noise (mean square): a mode "

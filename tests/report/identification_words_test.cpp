@@ -315,6 +315,8 @@ TEST(IdentificationWords, AModeThatMayBeAnImageIsSaid) {
   warning.count = 2;
   warning.total = 7;
   EXPECT_THAT(warning_text(warning), HasSubstr("was used; 2 of 7 modes are above 283.6 Hz, where"));
+  warning.count = 1;
+  EXPECT_THAT(warning_text(warning), HasSubstr("1 of 7 modes is above 283.6 Hz, where"));
 }
 
 /// In a loop nothing is taken in one piece.
